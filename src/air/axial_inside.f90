@@ -3,7 +3,7 @@
 !> sides, and what is beyond them is gone.
 module brz_axial_inside
     use brz_axial_start, only: frame_t
-    use brz_axial_state, only: axial_t, v_energy, v_products, v_r, v_rho, v_z
+    use brz_axial_state, only: axial_t, top_of, v_energy, v_products, v_r, v_rho, v_z
     use brz_kinds, only: dp
     implicit none
     private
@@ -33,7 +33,7 @@ contains
 
         limit = box_about_axis(frame, lo, hi)
         do j = blast%low, blast%n
-            row(j) = part_of_row((j - 1)*blast%dz, j*blast%dz, limit(:, 3))
+            row(j) = part_of_row(top_of(blast, j - 1), top_of(blast, j), limit(:, 3))
         end do
         sums = 0
         whole = 0
@@ -51,7 +51,7 @@ contains
         end do
         inside%beyond = 1 - sums(v_energy)/whole
         share = 2*pi*blast%dr**2*blast%dz*0.5_dp**count(frame%mirrored)
-        if (blast%below == 0) share = 2*share ! it is half of the blast already
+        if (.not. blast%input%floor > 0) share = 2*share ! it is half of the blast already
         sums = share*sums
         inside%mass = sums(v_rho)
         inside%energy = sums(v_energy)

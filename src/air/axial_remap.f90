@@ -11,7 +11,7 @@ module brz_axial_remap
     use brz_air_state, only: air_t
     use brz_axial_inside, only: inside_t
     use brz_axial_start, only: frame_t
-    use brz_axial_state, only: axial_t, v_energy, v_products, v_r, v_rho, v_z
+    use brz_axial_state, only: axial_t, top_of, v_energy, v_products, v_r, v_rho, v_z
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, rk
     implicit none
@@ -80,7 +80,7 @@ contains
 
         lo = frame%centre - blast%reach*blast%dr
         hi = frame%centre + blast%reach*blast%dr
-        ends = frame%sense*[blast%first - 1, blast%last]*blast%dz
+        ends = frame%sense*[top_of(blast, blast%first - 1), top_of(blast, blast%last)]
         lo(frame%axis) = frame%centre(frame%axis) + minval(ends)
         hi(frame%axis) = frame%centre(frame%axis) + maxval(ends)
         first = max(1, floor((lo - air%lo)/air%dx) + 1)
@@ -152,7 +152,7 @@ contains
                         + (cell + air%before - 1 + (2*step - 1)/(2.0_dp*m))*air%dx
                     arm(frame%axis) = frame%sense*arm(frame%axis)
                     r = sqrt(arm(frame%across(1))**2 + arm(frame%across(2))**2)
-                    j = floor(arm(frame%axis)/blast%dz) + 1
+                    j = floor((arm(frame%axis) - blast%rise)/blast%dz) + 1
                     if (j < blast%first .or. j > blast%last) cycle
                     i = int(r/blast%dr) + 1
                     if (i > blast%reached(j)) cycle

@@ -2,7 +2,7 @@
 !> From a charge of the deck to the blast in the plane through its axis: where the plane lies in the
 !> scene, and what the blast would meet that is not round about the axis.
 module brz_axial_start
-    use brz_axial_state, only: axial_input_t, axial_t, w_p, w_r, w_rho, w_z
+    use brz_axial_state, only: axial_input_t, axial_t, top_of, w_p, w_r, w_rho, w_z
     use brz_blast_start, only: charge_constants
     use brz_case, only: case_t, label
     use brz_charge_shape, only: make_shape, charge_shape_t
@@ -167,8 +167,8 @@ contains
         gap = huge(gap)
         do j = blast%first, blast%last
             if (blast%reached(j) == 0) cycle
-            gap = min(gap, distance(obstacles, blast%reached(j)*blast%dr, (j - 1)*blast%dz, &
-                j*blast%dz))
+            gap = min(gap, distance(obstacles, blast%reached(j)*blast%dr, top_of(blast, j - 1), &
+                top_of(blast, j)))
         end do
     end function free_gap
 
@@ -206,7 +206,7 @@ contains
 
         arm = at - frame%centre
         r = norm2(arm(frame%across))
-        part = [r/blast%dr, frame%sense*arm(frame%axis)/blast%dz] + 0.5_dp
+        part = [r/blast%dr, (frame%sense*arm(frame%axis) - blast%rise)/blast%dz] + 0.5_dp
         i = min(floor(part(1)), blast%n)
         j = max(min(floor(part(2)), blast%n - 1), blast%low - 1)
         part = min(max(part - [i, j], 0.0_dp), 1.0_dp)

@@ -2,7 +2,7 @@
 !> A blast in the plane through an axis, (r, z): its cells, what they hold, and the charge in them.
 !>
 !> The plane has n cells along r and n on either side of the centre of the charge along z, which is
-!> the face between rows 0 and 1; a floor cuts the rows below it off. Whatever the blast, its front
+!> the face between rows 0 and 1 at first; a floor cuts the rows below it off. Whatever the blast, its front
 !> lies n/2 to n cells from the centre: when it nears the edge, two by two cells are made one.
 module brz_axial_state
     use brz_axial_products, only: axial_gas_t
@@ -10,7 +10,7 @@ module brz_axial_state
     use brz_kinds, only: dp
     implicit none
     private
-    public :: axial_t, axial_input_t, start_axial, axial_totals, find_lighting, margin_cells
+    public :: axial_t, axial_input_t, start_axial, axial_totals, find_lighting, margin_cells, top_of
     public :: v_rho, v_r, v_z, v_energy, v_products, w_rho, w_r, w_z, w_p, w_energy, w_part, w_sound
 
     integer, parameter :: v_rho = 1, v_r = 2, v_z = 3, v_energy = 4, v_products = 5 !! rows of u
@@ -41,7 +41,8 @@ module brz_axial_state
         type(axial_gas_t) :: gas
         integer :: n = 0 !! cells along r, and on either side of the centre along z
         integer :: low = 0 !! lowest row
-        integer :: below = -1 !! rows between the centre and the floor; negative: no floor
+        integer :: below = -1 !! rows below row 1 down to the floor; negative: no floor
+        real(dp) :: rise = 0 !! of the face below row 1 over the centre of the charge [m]
         real(dp) :: dr = 0, dz = 0 !! [m]
         real(dp) :: time = 0 !! [s]
         integer :: cycle = 0
@@ -100,12 +101,20 @@ contains
         call find_lighting(blast)
     end subroutine start_axial
 
+    !> Height of the upper face of a row over the centre of the charge [m].
+    elemental real(dp) function top_of(blast, j)
+        type(axial_t), intent(in) :: blast
+        integer, intent(in) :: j
+
+        top_of = blast%rise + j*blast%dz
+    end function top_of
+
     !> Sides of the cells: whole numbers of them fill radius and half length, or, with a floor, the
-    !> distance to it, which must go on being whole when cells are made one.
+    !> distance to it.
     subroutine choose_cells(blast)
         type(axial_t), intent(inout) :: blast
         real(dp) :: side
-        integer :: n, power
+        integer :: n
 
         associate (in => blast%input)
             n = in%n_charge
@@ -118,8 +127,7 @@ contains
             if (.not. in%floor < never) return
             blast%below = 0
             if (in%floor > 0) then
-                power = max(floor(log(in%floor/side)/log(2.0_dp)) - 2, 0)
-                blast%below = nint(in%floor/(side*2**power))*2**power
+                blast%below = nint(in%floor/side)
                 blast%dz = in%floor/blast%below
             end if
             blast%low = max(1 - blast%below, blast%low)
@@ -164,7 +172,7 @@ contains
 
         associate (in => blast%input)
             r = [i - 1, i]*blast%dr
-            z = sort_ends([j - 1, j]*blast%dz)
+            z = sort_ends([top_of(blast, j - 1), top_of(blast, j)])
             filled = 0
             if (r(1) >= in%radius .or. z(1) >= in%half) return
             if (.not. in%ball) then
@@ -193,7 +201,7 @@ contains
         real(dp), intent(in) :: z(2)
         real(dp) :: ends(2)
 
-        ends = [minval(abs(z)), maxval(abs(z))]
+        ends = [max(z(1), -z(2), 0.0_dp), maxval(abs(z))]
     end function sort_ends
 
     !> When the explosive burns: the detonation runs straight from its point. What lies outside of
@@ -207,7 +215,7 @@ contains
         do j = blast%low, blast%n
             do i = 1, blast%n
                 if (.not. part_filled(blast, i, j) > 0) cycle
-                associate (z => (j - 0.5_dp)*blast%dz - blast%input%ignition, &
+                associate (z => top_of(blast, j) - blast%dz/2 - blast%input%ignition, &
                            r => (i - 0.5_dp)*blast%dr)
                     blast%lit_at(i, j) = norm2([r, z])/blast%input%velocity
                 end associate

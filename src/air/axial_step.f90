@@ -34,8 +34,7 @@ contains
         real(dp) :: dt
         integer :: attempt, lost
 
-        call follow_front(blast, window, ok)
-        if (.not. ok) return
+        call follow_front(blast, window)
         call prepare_axial(blast, blast%time, window)
         dt = min(stable_step(blast, window), longest)
         associate (w => window)

@@ -45,19 +45,14 @@ contains
         end do
     end subroutine find_front
 
-    !> The window of the next step; cells are made one where it nears the edge. Fails where they no
-    !> longer fit between charge and floor.
-    subroutine follow_front(blast, window, ok)
+    !> The window of the next step; cells are made one where it nears the edge.
+    subroutine follow_front(blast, window)
         type(axial_t), intent(inout) :: blast
         type(axial_window_t), intent(out) :: window
-        logical, intent(out) :: ok
 
-        ok = .true.
         if (blast%cycle == 0) call set_rest(blast)
         call place_window(blast, window)
         do while (too_near(blast, window))
-            ok = mod(max(blast%below, 0), 2) == 0
-            if (.not. ok) return
             call make_one(blast)
             call set_rest(blast)
             call place_window(blast, window)
@@ -78,38 +73,42 @@ contains
         blast%w(:, w_sound, :) = c
     end subroutine set_rest
 
-    !> Make two by two cells one, from the centre outwards, with undisturbed air around them.
+    !> Make two by two cells one, from the centre outwards, with undisturbed air around them. Of an
+    !> odd number of rows above a floor, two are made one from there on.
     subroutine make_one(blast)
         type(axial_t), intent(inout) :: blast
-        integer :: j, low
+        integer :: j, low, odd
 
         low = blast%low
+        odd = mod(max(blast%below, 0), 2)
         if (blast%below > 0) blast%below = blast%below/2
+        blast%rise = blast%rise - odd*blast%dz
         if (blast%below >= 0) blast%low = max(1 - blast%below, 1 - blast%n)
         do j = 1, blast%n
-            call make_row(blast, low, j)
+            call make_row(blast, low, odd, j)
         end do
         do j = 0, blast%low, -1
-            call make_row(blast, low, j)
+            call make_row(blast, low, odd, j)
         end do
         blast%dr = 2*blast%dr
         blast%dz = 2*blast%dz
         blast%reach = (blast%reach + 1)/2
-        blast%first = ceiling(blast%first/2.0_dp)
-        blast%last = ceiling(blast%last/2.0_dp)
+        blast%first = ceiling((blast%first + odd)/2.0_dp)
+        blast%last = ceiling((blast%last + odd)/2.0_dp)
         blast%merged = blast%merged + 1
         call find_lighting(blast)
     end subroutine make_one
 
     !> One row of the coarser cells from two of the finer; their volumes grow as 1, 3, 5 ...
-    subroutine make_row(blast, low, j)
+    subroutine make_row(blast, low, odd, j)
         type(axial_t), intent(inout) :: blast
         integer, intent(in) :: low !! first row of the finer cells
+        integer, intent(in) :: odd !! rows that the finer cells are shifted by
         integer, intent(in) :: j
         integer :: c, i, below, above
 
-        below = 2*j - 1
-        above = 2*j
+        below = 2*j - 1 - odd
+        above = 2*j - odd
         if (below < low .or. above > blast%n) then
             do c = 1, 5
                 blast%u(:, c, j) = blast%rest(c)
@@ -138,8 +137,8 @@ contains
         charge = [blast%reach, blast%first, blast%last]
         if (blast%burning .or. blast%cycle == 0) then
             charge(1) = max(charge(1), ceiling(blast%input%radius/blast%dr))
-            charge(2) = min(charge(2), 1 - ceiling(blast%input%half/blast%dz))
-            charge(3) = max(charge(3), ceiling(blast%input%half/blast%dz))
+            charge(2) = min(charge(2), 1 - ceiling((blast%input%half + blast%rise)/blast%dz))
+            charge(3) = max(charge(3), ceiling((blast%input%half - blast%rise)/blast%dz))
         end if
         window%columns = min(charge(1) + ahead, blast%n)
         window%low = max(charge(2) - ahead, blast%low)

@@ -3,7 +3,7 @@
 !> plane, with the fields of a dump of the air. Its cells grow with the blast.
 module brz_axial_dump
     use brz_axial_start, only: frame_t
-    use brz_axial_state, only: axial_t, w_p, w_part, w_r, w_rho, w_z
+    use brz_axial_state, only: axial_t, top_of, w_p, w_part, w_r, w_rho, w_z
     use brz_errors, only: error_t
     use brz_gas_fields, only: gas_fields, gas_values_t, make_values, set_values, write_values
     use brz_hdf5_array, only: h5_write
@@ -33,7 +33,7 @@ contains
         side([frame%across, frame%axis]) = [blast%dr, blast%dr, blast%dz]
         low = frame%centre
         low(frame%across(2)) = low(frame%across(2)) - blast%dr/2
-        low(frame%axis) = low(frame%axis) + (blast%low - 1)*blast%dz
+        low(frame%axis) = low(frame%axis) + top_of(blast, blast%low - 1)
         extent = 0
         extent(2::2) = cells
         rest = [blast%input%density, blast%input%pressure]

@@ -113,8 +113,7 @@ contains
             end if
             call advance_axial(blast, min(case%run%t_end - blast%time, case%run%dt_max), ok)
             if (.not. ok) call raise(err, exit_numerical, 'the blast in two dimensions is lost '// &
-                                     'at t = '//to_text(blast%time)//' s; if the floor is very '// &
-                                     'near, give more plane_cells')
+                                     'at t = '//to_text(blast%time)//' s')
         end do
         call close_history(history, closing) ! the rows up to a failure are the ones that tell
         if (.not. failed(err)) err = closing
