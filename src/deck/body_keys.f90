@@ -61,7 +61,8 @@ contains
                       meaning='Cylinder, bars: direction of the axis.'), &
                 key_t(group=g, key='diameter', unit='m', lower=zero, open_lower=.true., &
                       meaning='Bars: diameter. Area and mass of each bar are exact at any '// &
-                      'spacing; two particles across at least are needed for its stiffness.'), &
+                      'spacing. One particle across needs a body bonded around it, two '// &
+                      'stretch right, three bend right too.'), &
                 key_t(group=g, key='bars', kind=kind_integer, n_min=2, n_max=2, default='1, 1', &
                       lower=one, upper=10000*one, &
                       meaning='Bars: number of bars in the two directions across them, in '// &

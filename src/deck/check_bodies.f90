@@ -194,8 +194,8 @@ contains
         if (any(n < 1 - slack)) then
             call complain(deck, g, 'spacing', 'spacing '//to_text(body%spacing)// &
                           ' m is larger than the body, which is '// &
-                          box_text(lo, hi)//'; three particles across are the least that bend '// &
-                          'right')
+                          box_text(lo, hi)//'; two particles across stretch right, three bend '// &
+                          'right too')
         else if (product(n) > real(huge(1), dp)) then
             call complain(deck, g, 'spacing', 'about '//to_text(anint(product(n)))// &
                           ' particles are more than '//to_text(huge(1))//'; use a larger spacing')

@@ -14,7 +14,8 @@ module brz_scanner
     use brz_key_text, only: group_hint, group_known
     use brz_overrides, only: apply_overrides, choose_presets
     use brz_preset, only: leave_failure_out
-    use brz_reader, only: close_reader, find_group_start, open_file, open_text, reader_t
+    use brz_reader, only: close_reader, find_group_start, next_token, open_file, open_text, &
+                          reader_t, token_key, token_slash, token_t
     use brz_text, only: printable, string_t, to_text
     implicit none
     private
@@ -116,9 +117,7 @@ contains
             call find_group_start(reader, name, line, found, opens)
             if (.not. found) exit
             if (.not. opens) then
-                if (group_known(keys, trim(name))) call add_error(deck, line, &
-                    "'&"//trim(name)//"' stands within text, which is not read: begin a line "// &
-                    "with it, or put '!' in front of the text")
+                if (group_known(keys, trim(name))) call judge_text(reader, trim(name), line, deck)
                 cycle
             end if
             if (deck%n == max_groups) then
@@ -133,6 +132,21 @@ contains
             call read_entries(reader, deck, deck%n)
         end do
     end subroutine read_groups
+
+    !> A known name behind '&' within text is prose ('unless an &interaction says so'), but where a
+    !> key or a '/' follows it is a group that would be passed over.
+    subroutine judge_text(reader, name, line, deck)
+        type(reader_t), intent(inout) :: reader
+        character(*), intent(in) :: name
+        integer, intent(in) :: line
+        type(deck_t), intent(inout) :: deck
+        type(token_t) :: token
+
+        call next_token(reader, token)
+        if (token%kind /= token_key .and. token%kind /= token_slash) return
+        call add_error(deck, line, "'&"//name//"' stands within text, which is not read: begin a "// &
+                       "line with it, or put '!' in front of the text")
+    end subroutine judge_text
 
     subroutine complain_group(deck, keys, name, line)
         type(deck_t), intent(inout) :: deck

@@ -7,7 +7,7 @@ module brz_body_setup
     use brz_body_shape, only: axis_of, shape_t
     use brz_body_start, only: held_t, hold_body, judge_held, move_body
     use brz_body_warnings, only: judge_distance, judge_gauges, judge_plies, &
-        judge_spacing
+        judge_scatter, judge_spacing
     use brz_bond_check, only: judge_bonds
     use brz_case, only: body_case_t, case_t, label
     use brz_cohesive_setup, only: set_up_cohesive
@@ -27,6 +27,7 @@ module brz_body_setup
     use brz_region_setup, only: set_up_regions
     use brz_rigid_setup, only: set_up_rigid
     use brz_start_fields, only: start_from_file
+    use brz_soft_bodies, only: judge_soft
     use brz_solid_arrays, only: allocate_solid
     use brz_solid_state, only: between_t, body_t, solid_t, worth_threads
     use brz_text, only: string_t
@@ -197,6 +198,10 @@ contains
             call judge_plies(case%bodies(b), &
                              solid%materials(case%bodies(b)%material_index), solid%notes)
             call judge_distance(case%bodies(b), points(b)%shape, solid%notes)
+            if (allocated(points(b)%x)) call judge_scatter(case%bodies(b), points(b)%x, &
+                                                           solid%dimension, solid%notes)
+            call judge_soft(case, b, solid%materials(case%bodies(b)%material_index), &
+                            solid%bodies(b), solid%notes)
             call judge_crack(case%bodies(b), solid%bodies(b), &
                              solid%materials(case%bodies(b)%material_index), solid%notes, err)
             if (case%bodies(b)%shape == 'bars') call judge_bars(case, b, solid%bodies(b), err)

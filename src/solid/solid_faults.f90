@@ -2,7 +2,7 @@
 !> The end of a step: particles with an impossible state, in words, and what all processes know.
 module brz_solid_faults
     use brz_errors, only: error_t, exit_numerical, raise
-    use brz_kinds, only: dp, int64
+    use brz_kinds, only: dp, int64, rk
     use brz_move_level, only: lost_level
     use brz_ranks, only: agree, several
     use brz_solid_state, only: solid_t
@@ -11,23 +11,32 @@ module brz_solid_faults
     private
     public :: report_bad, report_lost, agree_on_step
 
+    real(rk), parameter :: large = 0.1_rk !! stress over the bulk modulus beyond that of most solids
+
 contains
 
     !> Raise an error for the first particle with an impossible state.
     subroutine report_bad(solid, err)
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
-        character(400) :: text
+        character(600) :: text
+        character(:), allocatable :: remedy
         integer :: i, k
 
         if (all(solid%search%bad == 0)) return
         k = findloc(solid%search%bad > 0, .true., 1)
         i = solid%search%bad(k)
+        associate (material => solid%materials(solid%bodies(solid%block(1, k))%material))
+            remedy = '; try a smaller cfl or another formulation for this body'
+            if (maxval(abs(solid%stress(:3, i))) > large*material%bulk) remedy = remedy// &
+                '. Its stress is a good part of its bulk modulus: if this is foam, take a law that '// &
+                'crushes and hold its sides (docs/materials.md, foam)'
+        end associate
         write (text, '(a, i0, 3a, 3(es11.3), a, 3(es11.3), a, es11.3, a, 6(es11.3), a, i0, a)') &
             'particle ', solid%id(i), " of body '", trim(solid%bodies(solid%block(1, k))%id), &
             "' has an impossible state: at", solid%x(:, i), ' m, velocity', solid%v(:, i), &
             ' m/s, compression', solid%mu(i), ', stress', solid%stress(:, i), ' Pa, solid step ', &
-            solid%steps, '; try a smaller cfl or another formulation for this body'
+            solid%steps, remedy
         call raise(err, exit_numerical, trim(text))
     end subroutine report_bad
 

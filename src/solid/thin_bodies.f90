@@ -54,8 +54,10 @@ contains
             if (is_bonded(case, b, no_bars=.true.)) return
             call raise(err, exit_deck, label('body', input%id, input%place)//'one particle '// &
                        'across a bar that no body is bonded to is too stiff (by a third in '// &
-                       'steel) and then gives way sideways; two at least are right: use a '// &
-                       'spacing of at most '//to_text(real(input%diameter/1.5_dp, real32))//' m')
+                       'steel) and then gives way sideways; two stretch right, three bend '// &
+                       'right too: use a spacing of at most '// &
+                       to_text(real(input%diameter/1.5_dp, real32))//' m or '// &
+                       to_text(real(input%diameter/2.5_dp, real32))//' m')
         end associate
     end subroutine judge_bars
 

@@ -5,7 +5,7 @@
 !> comes in the run's time.
 module brz_advice
     use brz_advice_air, only: advise_one_gas, advise_still
-    use brz_advice_bodies, only: advise_cracks, advise_rigid, advise_two_layers, &
+    use brz_advice_bodies, only: advise_aspect, advise_cracks, advise_layers, advise_rigid, &
         advise_walls
     use brz_advice_start, only: advise_start
     use brz_advice_text, only: length_text, point_text, say_advice, say_more, time_text
@@ -45,7 +45,8 @@ contains
         call advise_one_gas(case, early, work)
         call advise_cracks(case, solid, work)
         call advise_walls(case, solid)
-        call advise_two_layers(case, solid)
+        call advise_layers(case, solid)
+        call advise_aspect(case, solid, work)
         call advise_box(case, work)
     end subroutine print_advice
 

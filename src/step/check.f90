@@ -21,16 +21,21 @@ module brz_check
     use brz_screen, only: say
     use brz_simulation, only: simulation_t
     use brz_solid_arrays, only: bytes_per_particle
-    use brz_solid_state, only: body_t, form_bending, form_names, form_total, solid_t
+    use brz_solid_state, only: body_t, form_bending, form_names, form_rigid, form_total, &
+                               is_held, solid_t
     use brz_tension_hold, only: kappa_of
     use brz_solid_start, only: solid_time_step
     use brz_text, only: to_text
     use brz_time_step, only: choose_time_step
-    use brz_work, only: print_work, whole_step, work_t
+    use brz_work, only: particle_costs, print_work, whole_step, work_t
     implicit none
     private
     public :: print_check, print_outline
 
+    !> What 1, 2, 3 and more particles across a bar do.
+    character(48), parameter :: of_bars(3) = [character(48) :: &
+        'stretched by the body around it alone', 'stiff as it is along, too soft in bending', &
+        'stiff as it is along and in bending']
     integer, parameter :: air_dump_bytes = 30, solid_dump_bytes = 128 !! per cell, particle
 
     character(38), parameter :: limiter_notes(0:3) = [character(38) :: '', &
@@ -48,6 +53,7 @@ contains
         type(scene_size_t) :: exact
         type(gauges_t) :: gauges
         real(dp) :: dt
+        logical :: gpus
 
         call set_up_gauges(sim%case, sim%solid, gauges, err) ! for what a run would refuse
         if (failed(err)) return
@@ -58,22 +64,24 @@ contains
         if (sim%solid%present) call check_materials(sim%case, sim%solid)
         exact = size_of
         exact%particles = sim%solid%n
+        gpus = sim%backend%on_gpu .or. sim%backend%bodies_on_gpu
         if (sim%solid%present) exact%of_body = sim%solid%bodies%last - sim%solid%bodies%first + 1
         sim%backend%on_gpu = .false. ! nothing has been brought there
         call choose_time_step(sim, dt, err)
         if (sim%air%present) exact%dt_air = &
             min(dt/time_step_ramp(0, sim%case%air%ramp_steps), sim%case%run%dt_max)
         if (sim%solid%present) exact%dt_solid = solid_time_step(sim%solid)
-        call print_cost(sim%case, exact, sim%early)
+        call print_cost(sim%case, exact, sim%solid, gpus, sim%early)
         call print_ranks(sim%case, size_of, n)
         call print_regions(sim%case, size_of, sim%solid, n)
         call print_verdict(sim%case, sim%solid, 'the deck is sound')
     end subroutine print_check
 
     !> Print what the deck alone says of a scene that is too large to look at it in seconds.
-    subroutine print_outline(case, size_of)
+    subroutine print_outline(case, size_of, gpus)
         type(case_t), intent(in) :: case
         type(scene_size_t), intent(in) :: size_of
+        logical, intent(in) :: gpus !! a GPU will compute it
         integer :: b
 
         if (allocated(size_of%solid%notes)) &
@@ -91,31 +99,37 @@ contains
         end do
         if (size_of%solid%present) call print_meetings(case)
         if (size_of%solid%present) call check_materials(case, size_of%solid)
-        call print_cost(case, size_of, early_t())
+        call print_cost(case, size_of, size_of%solid, gpus, early_t())
         call print_verdict(case, size_of%solid, 'sound as far as it can be read; a run builds '// &
                            'it and looks for bodies that overlap and charges inside them')
     end subroutine print_outline
 
     !> Memory, steps, output and time, and what would be cheaper.
-    subroutine print_cost(case, size_of, early)
+    subroutine print_cost(case, size_of, solid, gpus, early)
         type(case_t), intent(in) :: case
         type(scene_size_t), intent(in) :: size_of
+        type(solid_t), intent(in) :: solid !! its bodies and materials
+        logical, intent(in) :: gpus !! a GPU will compute it
         type(early_t), intent(in) :: early !! a blast before the run, if it is known
         real(dp), parameter :: slack = 1e-9_dp !! rounding of a time, in intervals
         type(work_t) :: work
         real(dp) :: dt, dumps, steps, substeps
+        logical :: deform !! some body is not rigid
 
         write (output_unit, '(2a)') 'memory       ', memory_text(size_of)
-        dt = min(case%run%dt_max, merge(size_of%dt_air, size_of%dt_solid, case%air%present))
+        dt = min(case%run%dt_max, merge(size_of%dt_air, size_of%dt_solid, case%air%present), &
+                 case%run%t_end)
         substeps = 1
-        if (case%air%present .and. size_of%particles > 0) then
+        deform = .false.
+        if (size_of%particles > 0) deform = any(solid%bodies%formulation /= form_rigid)
+        if (case%air%present .and. deform) then
             dt = whole_step(dt, size_of%dt_solid, size_of%cells, size_of%particles)
             substeps = max(1.0_dp, real(ceiling(dt/size_of%dt_solid), dp))
         end if
         steps = max(1.0_dp, anint((case%run%t_end - early%time)/dt))
         write (output_unit, '(a, es10.3, 3a)') 'time step    ', dt, ' s at first, about ', &
             count_text(steps), ' steps at this rate (a blast or a fracture shortens it)'
-        if (case%air%present .and. size_of%particles > 0) write (output_unit, '(a, es10.3, 5a)') &
+        if (case%air%present .and. deform) write (output_unit, '(a, es10.3, 5a)') &
             'solid steps  ', size_of%dt_solid, ' s at first: ', count_text(substeps), &
             ' in each step of the air, about ', count_text(steps*substeps), ' while awake'
         associate (out => case%output, t_end => case%run%t_end)
@@ -126,8 +140,10 @@ contains
         write (output_unit, '(3a, f0.1, a)') 'output       ', count_text(dumps), &
             ' dumps, about ', 1e-6_dp*dumps*(air_dump_bytes*size_of%cells + &
                                              solid_dump_bytes*size_of%particles), ' MB'
-        work = work_t(steps, substeps, size_of%cells, size_of%particles, size_of%of_body)
-        call print_work(work)
+        work = work_t(steps, substeps, size_of%cells, size_of%particles)
+        if (size_of%particles > 0) work%of_body = size_of%of_body
+        if (size_of%particles > 0) work%costs = particle_costs(solid)
+        call print_work(work, gpus)
         call print_advice(case, size_of%solid, work, early)
     end subroutine print_cost
 
@@ -193,7 +209,7 @@ contains
     !> Particles, layers and bytes of every body.
     subroutine check_solid(sim)
         type(simulation_t), intent(inout) :: sim
-        integer :: b
+        integer :: b, held
 
         do b = 1, size(sim%solid%bodies)
             associate (body => sim%solid%bodies(b), solid => sim%solid)
@@ -203,6 +219,8 @@ contains
                     sum(real(solid%mass(body%first:body%last), dp)), ' kg, volume scaled by ', &
                     body%volume_scale
                 call print_settings(sim%case, solid, b)
+                held = count(solid%fixed(body%first:body%last) == is_held)
+                if (held > 0) call print_more(to_text(held)//' particles are held')
                 call print_more(crack_report(body, solid%materials(body%material)))
             end associate
         end do
@@ -310,8 +328,8 @@ contains
                 trim(form_names(body%formulation)), reason(case, solid, b), &
                 ', viscosity alpha ', body%alpha, ', beta ', body%beta, &
                 trim(limiter_notes(body%limiter))
-            if (body%across > 0) write (output_unit, '(a, i0, a)') '             ', &
-                body%across, ' particles per bar diameter'
+            if (body%across > 0) write (output_unit, '(a, i0, 2a)') '             ', &
+                body%across, ' particles per bar diameter: ', trim(of_bars(min(body%across, 3)))
             if (case%bodies(b)%n_plies > 0 .and. case%bodies(b)%file == '') &
                 write (output_unit, '(a, i0, a, f0.2, a)') '             ', &
                 case%bodies(b)%n_plies, ' plies of ', &

@@ -72,7 +72,8 @@ contains
         if (failed(err)) return
         if (options%check) then
             large = too_large_to_look(size_of)
-            if (large) call print_outline(sim%case, size_of)
+            if (large) call print_outline(sim%case, size_of, &
+                                          sim%backend%on_gpu .or. sim%backend%bodies_on_gpu)
             if (large) call print_ranks(sim%case, size_of, max(options%ranks, ranks%n))
             if (large) return
         end if
