@@ -144,8 +144,8 @@ contains
 
         call next_token(reader, token)
         if (token%kind /= token_key .and. token%kind /= token_slash) return
-        call add_error(deck, line, "'&"//name//"' stands within text, which is not read: begin a "// &
-                       "line with it, or put '!' in front of the text")
+        call add_error(deck, line, "'&"//name//"' stands within text, which is not read: begin "// &
+                       "a line with it, or put '!' in front of the text")
     end subroutine judge_text
 
     subroutine complain_group(deck, keys, name, line)

@@ -46,7 +46,10 @@ def test_foam_under_its_modulus_is_warned_of(tmp_path):
     assert "1 warning(s)" in out
     _, told = check(tmp_path, FOAM, "load.pressure=0,1e5,1e5")
     assert told == ""
-    near = FOAM[: FOAM.index("&load")] + "&load id='p', body='foam', faces='z+', mass={}, at=0,0,0.5 /\n"
+    near = (
+        FOAM[: FOAM.index("&load")]
+        + "&load id='p', body='foam', faces='z+', mass={}, at=0,0,0.5 /\n"
+    )
     _, told = check(tmp_path, near.format(1))
     assert "% of its bulk modulus" in told
     _, told = check(tmp_path, near.format(1e-3))
