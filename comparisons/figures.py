@@ -105,8 +105,8 @@ def draw_cost(ax, case: Case, records: list[Record]) -> None:
         fill = "white" if r.kind == "recorded" else COLOURS.get(code, INK)
         ax.plot(r.core_s, off, MARKS.get(code, "x"), color=COLOURS.get(code, INK), mfc=fill, ms=7)
         ax.annotate(r.code.replace(f"{code}, ", "").replace(f"{code} ", ""), (r.core_s, off),
-                    xytext=(-6, 4) if place % 2 else (6, -6), ha="right" if place % 2 else "left",
-                    textcoords="offset points", fontsize=6.5,
+                    xytext=(-6 if place % 2 else 6, 0), ha="right" if place % 2 else "left",
+                    va="center", textcoords="offset points", fontsize=6.5,
                     color=COLOURS.get(code, INK))  # fmt: skip
     ax.set_xscale("log")
     times = [r.core_s for r in records]

@@ -101,8 +101,10 @@ def deck(model: str, cells: int | None, size: int) -> str:
     text = text.replace("t_end = 1.2e-3", f"t_end = {LATE}" + ("" if whole else
                         ", symmetry = 'x', 'y'"))  # fmt: skip
     for layers, height, material in zip(LAYERS[size], (6, 38, 6), MATERIALS, strict=True):
-        text = re.sub(rf"spacing = 2e-3, (material = '{material}')",
-                      rf"spacing = {1e-3 * height / layers:.10g}, \1", text)  # fmt: skip
+        text, found = re.subn(rf"spacing = 2e-3,(.* material = '{material}')",
+                              rf"spacing = {1e-3 * height / layers:.10g},\1", text)  # fmt: skip
+        if not found:
+            raise ValueError(f"{DECK}: no body of '{material}' with spacing = 2e-3")
     text = re.sub(r"&output .*?/", "&output history_every = 1e-6 /", text) + GAUGES
     if cells is None:
         return re.sub(r"&gauge id = '(A|edge|free)'.*?/", "", without(text, "air", "charge"))
@@ -224,6 +226,8 @@ def draw() -> None:
     for number, model in enumerate(MODELS):
         for axis, key in zip(axes, ("error", "impulse_error"), strict=True):
             own = [row for row in rows if row["model"] == model and float(row[key]) > 0]
+            if not own:
+                continue
             points = [(float(row["seconds"]), 100 * float(row[key])) for row in own]
             alike = [point for row, point in zip(own, points, strict=True)
                      if row["cells_mm"] in ("", str(2 * int(row["spacing_mm"])))]  # fmt: skip
