@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from post.blast import FreeAirBlast, Pulse, free_air, measure_pulse
+from post.blast import FreeAirBlast, Pulse, free_air, measure_pulse, surface
 from post.deck import Deck, as_list
 from post.errors import PostError
 from post.reader import Run
@@ -51,6 +51,8 @@ class Expected:
         text = "incident"
         if self.reflected:
             text = "reflected" if degrees < 1 else f"reflected at {degrees:.0f} deg"
+        if self.shape == "hemisphere":
+            return f"{text}, surface burst"
         return text if self.shape == "sphere" else f"{text}, sphere of equal mass"
 
 
@@ -98,31 +100,36 @@ def expect(deck: Deck, gauge: Gauge) -> Expected | None:
     body, a scaled distance outside the curves. A charge that is no sphere gets the values of a
     sphere of the same mass about the same centre, and the label says so. A gauge within two cells
     of the face of a box-shaped body or of a wall that looks at the charge gets the reflected
-    values of that face.
+    values of that face. A charge on the ground (burst='surface', or its centre on the floor of a
+    blast in the plane through its axis) gets the curves of a hemisphere of the mass that is there.
     """
     charge = _only_charge(deck)
     if charge is None or gauge.at is None or gauge.quantity not in PRESSURES:
         return None
-    mass, centre, shape = charge
+    mass, centre, shape, on_ground = charge
     place, angle = gauge.at, 0.0
-    surface = _surface_near(deck, gauge.at, centre)
-    if surface is not None:
-        place, angle = surface
+    face = _surface_near(deck, gauge.at, centre)
+    if face is not None:
+        place, angle = face
     elif any(_between(body.low, body.high, centre, gauge.at) for body in deck.bodies()):
         return None
     distance = float(np.linalg.norm(place - centre))
     try:
-        blast = free_air(mass, distance)
+        blast = (surface if on_ground else free_air)(mass, distance)
     except ValueError:
         return None
     peak, impulse = blast.incident_overpressure, blast.incident_impulse
-    if surface is not None:
+    if face is not None:
         peak, impulse = blast.on_surface(angle)
-    return Expected(blast, distance, mass, surface is not None, angle, peak, impulse, shape)
+    hemisphere = on_ground and shape == "sphere"
+    shape = "hemisphere" if hemisphere else shape
+    return Expected(blast, distance, mass, face is not None, angle, peak, impulse, shape)
 
 
-def _only_charge(deck: Deck) -> tuple[float, np.ndarray, str] | None:
-    """Mass [kg], centre [m] and shape of a charge to which the curves apply."""
+def _only_charge(deck: Deck) -> tuple[float, np.ndarray, str, bool] | None:
+    """Mass [kg] that is there, centre [m] and shape of a charge to which the curves apply, and
+    whether it lies on the ground.
+    """
     charges = deck.groups("charge")
     if len(charges) != 1:
         return None
@@ -133,7 +140,13 @@ def _only_charge(deck: Deck) -> tuple[float, np.ndarray, str] | None:
     sea_level = abs(deck.ambient / 101325.0 - 1) < 0.05
     if not (on_planes and three and sea_level) or charge.get("explosive", "tnt") != "tnt":
         return None
-    return float(charge.get("mass") or math.nan), centre, str(charge.get("shape", "sphere"))
+    mass = float(charge.get("mass") or math.nan)
+    on_ground = charge.get("burst", "air") == "surface"
+    if deck.get("air", "geometry") == "axial" and not on_ground:  # with its mirror image
+        floor, axis = deck.get("air", "floor"), "xyz".index(str(charge.get("axis", "z")))
+        on_ground = floor is not None and float(floor) == centre[axis]
+        mass /= 2 if on_ground else 1
+    return mass, centre, str(charge.get("shape", "sphere")), on_ground
 
 
 def _surface_near(deck: Deck, at: np.ndarray, centre: np.ndarray):

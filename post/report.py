@@ -199,6 +199,7 @@ def _facts(run: Run) -> str:
         facts[f"charge {group.get('id', '')}"] = (
             f"{float(group['mass']):g} kg {group.get('explosive', 'tnt')}, {group.get('shape')}, "
             f"at ({', '.join(f'{x:g}' for x in group.get('at', []))}) m"
+            + (" on the ground, which mirrors it" if group.get("burst") == "surface" else "")
         )
     if deck.images > 1:
         planes = ", ".join(a for a, cut in zip("xyz", deck.mirrors, strict=True) if cut)

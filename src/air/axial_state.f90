@@ -2,8 +2,9 @@
 !> A blast in the plane through an axis, (r, z): its cells, what they hold, and the charge in them.
 !>
 !> The plane has n cells along r and n on either side of the centre of the charge along z, which is
-!> the face between rows 0 and 1 at first; a floor cuts the rows below it off. Whatever the blast, its front
-!> lies n/2 to n cells from the centre: when it nears the edge, two by two cells are made one.
+!> the face between rows 0 and 1 at first; a floor cuts the rows below it off. Whatever the blast,
+!> its front lies n/2 to n cells from the centre: when it nears the edge, two by two cells are made
+!> one.
 module brz_axial_state
     use brz_axial_products, only: axial_gas_t
     use brz_jwl, only: jwl_t

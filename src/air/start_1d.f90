@@ -52,7 +52,7 @@ contains
                 case%charges(1)%place)//"start='1d' needs room: the shock may run to "// &
                 to_text(limit)// &
                 ' m (the nearest obstacle less 3 cells), the radius of the charge is '// &
-                to_text(radius)//" m; use smaller cells or start='3d'")
+                to_text(radius)//' m; '//remedy(case, limit, maxval(air%dx, mask=air%n > 1)))
             return
         end if
         early%present = .true.
@@ -71,6 +71,35 @@ contains
         call report(blast, air, part*product(air%dx, mask=air%n == 1), early)
         early%before(2:4) = share*early%before(7)
     end subroutine start_from_1d
+
+    !> What helps where the shock has no room.
+    function remedy(case, limit, cell) result(text)
+        type(case_t), intent(in) :: case
+        real(dp), intent(in) :: limit !! radius to which the shock may run [m]
+        real(dp), intent(in) :: cell !! [m]
+        character(:), allocatable :: text
+        real(dp) :: depth
+        integer :: d, s
+
+        do d = 1, 3
+            do s = 1, 2
+                if (case%air%cells(d) == 1 .or. case%air%bc(s, d) == 'outflow') cycle
+                depth = abs(case%charges(1)%at(d) &
+                    - merge(case%air%lo(d), case%air%hi(d), s == 1))
+                if (depth - margin*cell > limit*(1 + sign(1e-9_dp, limit))) cycle
+                text = 'the '//trim(case%air%bc(s, d))//" '"//'xyz' (d:d)// &
+                    merge('-', '+', s == 1)//"' stops it: "
+                if (.not. depth > 1e-6_dp*cell) text = text//"a charge on a floor needs "// &
+                    "bc='symmetry' there, with burst='surface', or start='2d'"
+                if (depth > 1e-6_dp*cell) text = text//"a sphere over a floor needs start='2d' "// &
+                    "with axis='"//'xyz' (d:d)//"'"
+                return
+            end do
+        end do
+        text = "use smaller cells or start='3d'"
+        if (limit < 0 .and. size(case%bodies) > 0) text = 'it lies within 3 cells of a body, '// &
+            'or inside the box around one; '//text
+    end function remedy
 
     !> Step until the front passes a radius, or the run ends.
     subroutine run_free(case, limit, blast, early, err, watch)

@@ -7,7 +7,8 @@ module brz_start_2d
     use brz_axial_remap, only: map_axial
     use brz_axial_start, only: axial_at, axial_input, charge_gap, find_obstacles, frame_t, &
         free_gap, make_frame, obstacle_t
-    use brz_axial_state, only: axial_input_t, axial_t, start_axial, top_of, v_products, v_rho, w_energy, w_p
+    use brz_axial_state, only: axial_input_t, axial_t, start_axial, top_of, v_products, v_rho, &
+        w_energy, w_p
     use brz_axial_step, only: advance_axial
     use brz_case, only: case_t, label
     use brz_early, only: early_t, grid_totals, keep_row, next_due, watch_blast
@@ -127,7 +128,8 @@ contains
             if (gap <= 0 .or. blast%time >= case%run%t_end) exit
         end do
         early%time = blast%time
-        early%radius = max(blast%reach*blast%dr, top_of(blast, blast%last), -top_of(blast, blast%first))
+        early%radius = max(blast%reach*blast%dr, top_of(blast, blast%last), &
+            -top_of(blast, blast%first))
         early%steps = blast%cycle
     end subroutine run_free
 

@@ -86,7 +86,8 @@ module brz_case
         character(name_len) :: eos = 'ideal' !! or 'jwl'
         character(name_len) :: burn = 'programmed' !! or 'instant'
         character(name_len) :: shape = 'sphere' !! 'sphere', 'cylinder', 'box'
-        real(dp) :: mass = 0 !! [kg]
+        real(dp) :: mass = 0 !! with the image of a charge on the ground [kg]
+        logical :: on_ground = .false. !! half of its shape, mirrored by the ground
         real(dp) :: density = 1630 !! [kg/m3]
         real(dp) :: energy = 7.0e9_dp/1630 !! [J/kg]
         real(dp) :: velocity = 6930 !! of the detonation [m/s]

@@ -2,6 +2,7 @@
 !> Geometry of the air, of boxes of gas and of charges.
 module brz_check_air
     use brz_case, only: case_t, charge_case_t, gas_case_t
+    use brz_check_ground, only: check_closed, check_ground
     use brz_check_start, only: check_geometry, check_start, is_radial
     use brz_deck, only: add_warning, complain, deck_t, entry_line, find_group, group_label, &
                         may_be_misspelt
@@ -147,6 +148,7 @@ contains
     subroutine check_charges(deck, case)
         type(deck_t), intent(inout) :: deck
         type(case_t), intent(in) :: case
+        real(dp) :: half(3)
         integer :: g, k
 
         k = 0
@@ -160,6 +162,8 @@ contains
             end if
             if (deck%groups(g)%bad .or. air_bad(deck)) cycle
             call check_start(deck, g, case, case%charges(k))
+            call charge_half_sides(case%charges(k), spread(.true., 1, 3), 1.0_dp, half)
+            call check_ground(deck, g, case, case%charges(k), half)
             if (is_radial(case)) cycle
             if (any(case%charges(k)%at < case%air%lo .or. case%charges(k)%at > case%air%hi)) then
                 call complain(deck, g, 'at', 'its centre '//point_text(case%charges(k)%at)// &
@@ -168,6 +172,7 @@ contains
                 call check_charge_size(deck, g, case, case%charges(k))
             end if
         end do
+        if (case%air%present .and. k > 0) call check_closed(deck, case)
     end subroutine check_charges
 
     !> Enough cells across the charge, and all of it inside the air.

@@ -167,7 +167,11 @@ contains
                 key_t(group=g, key='mass', unit='kg', default=required, lower=zero, &
                       open_lower=.true., &
                       meaning='Mass of the whole charge, also of the parts behind planes of '// &
-                      'symmetry.'), &
+                      "symmetry; with burst='surface' of what lies on the ground, once."), &
+                key_t(group=g, key='burst', kind=kind_text, choices='air|surface', &
+                      meaning='surface: the charge is half of its shape and lies on the '// &
+                      'ground, a floor or plane of symmetry through at, which mirrors it; as '// &
+                      'in &load. If absent: air; on a floor it must be given.'), &
                 key_t(group=g, key='explosive', kind=kind_text, default='tnt', &
                       choices=explosive_names, &
                       meaning='Explosive: gives density, energy, detonation velocity and the '// &

@@ -2,7 +2,7 @@
 !> Components of the case from the groups of the deck, one procedure per group.
 module brz_fill_case
     use brz_case, only: air_case_t, body_case_t, case_t, charge_case_t, gas_case_t, gauge_case_t, &
-                        output_case_t, run_case_t, solid_case_t
+                        name_len, output_case_t, run_case_t, solid_case_t
     use brz_deck, only: add_error, add_warning, complain, deck_t, entry_line, find_entry, place, &
                         find_group, group_t
     use brz_explosives, only: explosives, find_explosive
@@ -150,11 +150,16 @@ contains
         type(deck_t), intent(in) :: deck
         type(group_t), intent(in) :: group
         type(charge_case_t), intent(inout) :: charge
+        character(name_len) :: burst
         integer :: row
 
         charge%id = group%id
         charge%place = place(deck, group%line)
         call get(group, 'mass', charge%mass)
+        burst = 'air'
+        call get(group, 'burst', burst)
+        charge%on_ground = burst == 'surface'
+        if (charge%on_ground) charge%mass = 2*charge%mass
         call get(group, 'explosive', charge%explosive)
         call get(group, 'start', charge%start)
         call get(group, 'eos', charge%eos)

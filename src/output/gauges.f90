@@ -71,6 +71,7 @@ contains
         if (allocated(case%charges)) then
             if (size(case%charges) == 1) then
                 gauges%charge_mass = case%charges(1)%mass
+                if (case%charges(1)%on_ground) gauges%charge_mass = gauges%charge_mass/2
                 gauges%charge_at = case%charges(1)%at
             end if
         end if

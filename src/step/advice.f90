@@ -9,7 +9,7 @@ module brz_advice
         advise_walls
     use brz_advice_start, only: advise_start
     use brz_advice_text, only: length_text, point_text, say_advice, say_more, time_text
-    use brz_case, only: body_case_t, case_t, is_from_file
+    use brz_case, only: body_case_t, case_t, charge_case_t, is_from_file
     use brz_outlines, only: body_box
     use brz_early, only: early_t
     use brz_kinds, only: dp, real32
@@ -105,11 +105,21 @@ contains
                             trim(case%bodies(target)%id)//"', a load by the curves of")
             call say_more("Kingery and Bulmash does in place of &air and &charge: &load id='"// &
                           trim(charge%id)//"', body='"//trim(case%bodies(target)%id)//"',")
-            call say_more("faces='"//face//"', mass="//to_text(real(charge%mass, real32))// &
-                          ', at='//point_text(charge%at)//' / saves '// &
+            call say_more("faces='"//face//"', "//mass_keys(charge)//', at='// &
+                          point_text(charge%at)//' / saves '// &
                           time_text(core_seconds(work) - core_seconds(without))//' of one core')
         end associate
     end subroutine advise_load
+
+    !> The mass of a charge as the keys of a deck.
+    function mass_keys(charge) result(text)
+        type(charge_case_t), intent(in) :: charge
+        character(:), allocatable :: text
+
+        text = 'mass='//to_text(real(charge%mass, real32))
+        if (charge%on_ground) text = 'mass='//to_text(real(charge%mass/2, real32))// &
+            ", burst='surface'"
+    end function mass_keys
 
     !> The box in front of one face of which a point lies, with all other bodies behind that face,
     !> and all at rest; 0 where there is none.

@@ -4,12 +4,13 @@
 module brz_print_early
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
     use brz_air_state, only: charge_report_t
-    use brz_case, only: charge_case_t
+    use brz_case, only: case_t
+    use brz_check_ground, only: burst_text
     use brz_kinds, only: dp
     use brz_early, only: early_t
     implicit none
     private
-    public :: print_early, print_lost
+    public :: print_early, print_charges
 
     real(dp), parameter :: worth_a_warning = 0.05_dp !! mean change of the products' pressure
 
@@ -44,16 +45,18 @@ contains
             'their energy is kept, their pressure is not'
     end subroutine print_early
 
-    !> What charges on the grid lose to bodies.
-    subroutine print_lost(charges, report)
-        type(charge_case_t), intent(in) :: charges(:)
+    !> Charges on the ground, and what charges on the grid lose to bodies.
+    subroutine print_charges(case, report)
+        type(case_t), intent(in) :: case
         type(charge_report_t), intent(in) :: report(:) !! (charges)
         integer :: c
 
-        do c = 1, size(charges)
+        do c = 1, size(case%charges)
+            if (case%charges(c)%on_ground) write (output_unit, '(4a)') 'charge       ', &
+                trim(case%charges(c)%id), ': ', burst_text(case, case%charges(c))
             if (report(c)%lost > 0) write (output_unit, '(3a, 2(es10.3, a))') 'charge       ', &
-                trim(charges(c)%id), ':', report(c)%lost, ' kg of', report(c)%mass, &
+                trim(case%charges(c)%id), ':', report(c)%lost, ' kg of', report(c)%mass, &
                 ' lie in cells that bodies fill, and are lost'
         end do
-    end subroutine print_lost
+    end subroutine print_charges
 end module brz_print_early

@@ -18,7 +18,7 @@ module brz_run
     use brz_kinds, only: dp
     use brz_outputs, only: close_outputs, open_outputs, outputs_t, report, save_checkpoint, &
                            write_due
-    use brz_print_early, only: print_early, print_lost
+    use brz_print_early, only: print_charges, print_early
     use brz_progress, only: start_progress
     use brz_ranks, only: agree, ranks_t, several, share_text
     use brz_run_axial, only: run_axial
@@ -93,7 +93,7 @@ contains
         if (note /= '') write (error_unit, '(a)') note
         if (sim%solid%present) write (error_unit, '(a)', advance='no') sim%solid%notes
         if (sim%early%present) call print_early(sim%early)
-        if (allocated(sim%air%charge)) call print_lost(sim%case%charges, sim%air%charge)
+        if (allocated(sim%air%charge)) call print_charges(sim%case, sim%air%charge)
         if (options%check) then
             call print_check(sim, size_of, max(options%ranks, ranks%n), err)
             return

@@ -9,6 +9,7 @@ module brz_run_radial
     use brz_blast1d_step, only: advance_blast1d
     use brz_blast_start, only: radial_input
     use brz_case, only: case_t
+    use brz_check_ground, only: burst_text
     use brz_clock, only: clock_t, start_clock, tick
     use brz_command_line, only: options_t
     use brz_early, only: along_arm
@@ -146,6 +147,8 @@ contains
         write (output_unit, '(3a, es11.4, 3a, f0.4, a, es11.4, a)') 'charge       ', &
             trim(case%charges(1)%id), ':', case%charges(1)%mass, ' ', trim(per(input%power)), &
             ', radius ', 1e3_dp*input%radius, ' mm,', input%eos%e0/input%eos%rho0, ' J/kg'
+        if (case%charges(1)%on_ground) write (output_unit, '(2a)') '             ', &
+            burst_text(case, case%charges(1))
         write (output_unit, '(a, 2(i0, a))') 'cells        ', input%n_in, &
             ' in the charge at all times, at most ', input%n_air, ' in the air'
     end subroutine print_charge

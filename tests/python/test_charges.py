@@ -7,7 +7,12 @@ import re
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from post.blast import surface
+from post.deck import Deck
+from post.gauges import Gauge, expect
 
 ROOT = Path(__file__).resolve().parents[2]
 BINARY = Path(os.environ.get("BRISANCE", ROOT / "bin" / "brisance"))
@@ -138,3 +143,89 @@ def test_what_a_body_takes_of_a_charge_is_told(tmp_path, depth):
         if args == ["--check"]:
             kept = re.search(r"c: *(\S+) kg in the model", text)
             assert float(kept[1]) == pytest.approx(0.3375 - lost, rel=1e-3)
+
+
+# --- on a floor, and near it -------------------------------------------------------------------
+
+PLANE = """&run t_end=4e-3 /
+&air geometry='axial', floor=0 /
+&charge id='c', mass=5, at=0,0,{height}, plane_cells=40{more} /
+&gauge id='g', at=2,0,0, quantity='overpressure' /
+"""
+IN_A_BOX = """&run t_end=1, symmetry='x','y' /
+&air box=0,2.4,0,2.4,0,2.4, cells=12,12,12,
+     bc='symmetry','outflow','symmetry','outflow','wall','outflow' /
+&charge id='c', mass=5, start='2d', at=0,0,{height}, plane_cells=40{more} /
+"""
+
+
+@pytest.mark.parametrize("deck", [PLANE, IN_A_BOX], ids=["plane", "box"])
+@pytest.mark.parametrize("more", [", eos='jwl'", ""])
+@pytest.mark.parametrize("height", [0.0902, 0.1, 0.15])
+def test_a_charge_near_a_floor_runs_and_is_warned_of(tmp_path, deck, more, height):
+    """At any height: it ended with code 3 where an odd number of rows lay below."""
+    args = ["--replace"] if deck == PLANE else ["--check"]
+    code, text = brisance(tmp_path, deck.format(height=height, more=more), *args)
+    assert code == 0, text
+    assert "case.nml:" in text and "half sides over the floor" in text and "burst='surface'" in text
+
+
+def test_a_charge_well_over_a_floor_is_not_warned_of(tmp_path):
+    code, text = brisance(tmp_path, PLANE.format(height=0.3, more=""), "--check")
+    assert code == 0 and "warning" not in text
+    assert re.search(r"accuracy .* 49 % low", text)
+
+
+def peak(text):
+    """Largest value of the gauge in the summary."""
+    return float(re.search(r"^g +overpressure +(\S+) Pa", text, re.MULTILINE)[1])
+
+
+def test_the_mass_on_the_ground_is_what_is_there(tmp_path):
+    """`burst` has one meaning in &charge and &load; without it a floor through the centre asks."""
+    code, text = brisance(tmp_path, PLANE.format(height=0, more=""), "--check")
+    assert code == 2 and "burst='surface'" in text and "(2.5 kg for" in text
+    deck = PLANE.replace("mass=5", "mass=10").format(height=0, more=", burst='air'")
+    code, whole = brisance(tmp_path, deck, "--replace")
+    assert code == 0
+    code, half = brisance(tmp_path, PLANE.format(height=0, more=", burst='surface'"), "--replace")
+    assert code == 0 and peak(half) == peak(whole)
+    assert "5.0 kg, hemispherical surface burst on the floor z = 0.0, the same as 10.0 kg" in half
+    code, text = brisance(tmp_path, PLANE.format(height=0.3, more=", burst='surface'"), "--check")
+    assert code == 2 and "needs the ground to lie on" in text
+
+
+@pytest.mark.parametrize("sign", ["surface", "floor"])
+def test_the_report_compares_a_surface_burst_with_one(sign):
+    """5 kg at 8 m: 48.6 kPa of the hemisphere's curves, not those of a sphere of 10 kg."""
+    more, mass = (", burst='surface'", 5) if sign == "surface" else (", burst='air'", 10)
+    text = PLANE.format(height=0, more=more).replace("mass=5", f"mass={mass}")
+    gauge = Gauge("g", "g:overpressure", "overpressure", "Pa", np.array([8.0, 0, 0]))
+    expected = expect(Deck(text), gauge)
+    assert expected.mass == 5 and expected.label == "incident, surface burst"
+    assert expected.peak == surface(5, 8).incident_overpressure
+    assert expected.peak == pytest.approx(48.6e3, rel=0.002)
+
+
+# --- closed rooms, walls beside a start along the radius -----------------------------------------
+
+ROOM = """&run t_end=1e-6 /
+&air box=0,1,0,1,0,1, cells=50,50,50, bc=6*'wall' /
+&charge id='c', mass=0.1, start='1d', eos='jwl', at=0.5,0.5,{height} /
+"""
+
+
+def test_products_do_not_burn_in_a_closed_room(tmp_path):
+    """0.1 kg in 1 m3 leave 172 kPa, 580 at most if burnt; a vent takes the warning away."""
+    code, text = brisance(tmp_path, ROOM.format(height=0.5), "--check")
+    assert code == 0 and re.search(r"case.nml:3: warning: .*closed on all sides", text)
+    assert "comes out as 172 kPa; burnt, it may be 580 kPa at most" in text
+    vented = ROOM.replace("6*'wall'", "5*'wall','outflow'").format(height=0.5)
+    assert "closed" not in brisance(tmp_path, vented, "--check")[1]
+
+
+@pytest.mark.parametrize("height", [0.0, 0.05])
+def test_a_wall_beside_a_start_along_the_radius_names_what_helps(tmp_path, height):
+    code, text = brisance(tmp_path, ROOM.format(height=height), "--check")
+    assert code == 2 and "the wall 'z-' stops it" in text and "start='2d'" in text
+    assert ("bc='symmetry'" in text) == (height == 0) and "smaller cells" not in text
