@@ -134,7 +134,8 @@ contains
                       'nearest point of a file: .csv with x, y, z, velocity_x, ..., '// &
                       'stress_xx, ... or strain_xx, ..., or a dump.'), &
                 key_t(group=g, key='start_stress', kind=kind_logical, default='.false.', &
-                      meaning='start_file is a dump: take its stress too (linear_elastic).'), &
+                      meaning='start_file is a dump: take its stress and displacements too '// &
+                      '(linear_elastic).'), &
                 key_t(group=g, key='motion_time', n_max=64, unit='s', &
                       meaning='Times of a prescribed velocity, of a rigid body or of the '// &
                       'particles that are held.'), &

@@ -26,7 +26,7 @@ module brz_body_setup
     use brz_plate, only: settle_plate
     use brz_region_setup, only: set_up_regions
     use brz_rigid_setup, only: set_up_rigid
-    use brz_start_fields, only: start_from_file
+    use brz_start_fields, only: move_from_dump, start_from_file
     use brz_soft_bodies, only: judge_soft
     use brz_solid_arrays, only: allocate_solid
     use brz_solid_state, only: between_t, body_t, solid_t, worth_threads
@@ -75,6 +75,7 @@ contains
         call set_up_loads(case, points%shape, solid, err)
         call set_up_watch(case, solid)
         do b = 1, size(solid%bodies)
+            call move_from_dump(case%bodies(b), solid, solid%bodies(b), err)
             call set_up_rigid(case%bodies(b), points(b)%shape%on_plane, solid, solid%bodies(b), err)
         end do
     end subroutine set_up_solid

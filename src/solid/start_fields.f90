@@ -1,23 +1,26 @@
 ! SPDX-License-Identifier: MIT
 !> Initial velocity and stress of a body from the points of a file: a table, or a dump of particles.
 !>
-!> A particle takes what the nearest point has. A stress is that of a body that is strained as Hooke
-!> says and lies where the deck puts it; so it is for linear_elastic alone.
+!> A particle takes what the nearest point has. With the stress of a dump that is the point of the
+!> unloaded body, and the particle is moved by its displacement. A stress is that of a body that is
+!> strained as Hooke says; so it is for linear_elastic alone.
 module brz_start_fields
     use brz_case, only: body_case_t, label
     use brz_csv_table, only: read_columns
     use brz_errors, only: error_t, exit_deck, failed, raise
-    use brz_hdf5_array, only: h5_read
+    use brz_hdf5_array, only: h5_read, h5_shape
     use brz_hdf5_file, only: h5_close, h5_open, h5_t
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp, int64, real32, rk
     use brz_material, only: material_t
     use brz_nearest_point, only: nearest_point
     use brz_particle_file, only: read_triples
     use brz_row_order, only: order_rows
-    use brz_solid_state, only: body_t, form_rigid, solid_t
+    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, &
+        form_rigid, form_total, solid_t
+    use brz_text, only: to_text
     implicit none
     private
-    public :: start_from_file
+    public :: move_from_dump, start_from_file
 
     character(10), parameter :: names(18) = [character(10) :: 'x', 'y', 'z', 'velocity_x', &
         'velocity_y', 'velocity_z', 'stress_xx', 'stress_yy', 'stress_zz', 'stress_xy', &
@@ -37,13 +40,24 @@ contains
         integer, allocatable :: order(:)
         integer :: i, n
         logical :: found(size(names))
+        real(dp) :: largest
 
         if (input%start_file == '' .or. failed(err)) return
         n = solid%dimension
         if (index(input%start_file, '.csv') > 0) then
             call read_columns(trim(input%start_file), names, values, found, err)
         else
-            call read_dump(trim(input%start_file), input%start_stress, values, found, err)
+            call read_dump(trim(input%start_file), input%start_stress, lies_as_dumped(input), &
+                           values, found, largest, err)
+            if (input%start_stress .and. lies_as_dumped(input) .and. any(body%formulation == &
+                [form_bending, form_total, form_corrected_hourglass])) call refuse('is a dump '// &
+                'at whose points the body lies, as if it were unloaded there: this formulation '// &
+                'would forget what it holds; lay the body as the run did that wrote the dump')
+            if (largest > 0 .and. .not. input%start_stress) solid%notes = solid%notes// &
+                label('body', input%id, input%place)//'warning: the body starts with the '// &
+                'velocities of start_file, without its stresses of up to '//to_text(real( &
+                largest, real32))//' Pa; to go on from there, use a checkpoint (--restart)'// &
+                new_line('a')
         end if
         if (failed(err)) return
         if (.not. all(found(:n)) .or. .not. any(found(4:))) &
@@ -105,17 +119,60 @@ contains
             /(4*material%shear)/material%density, rk)
     end subroutine strain
 
-    !> Points, velocity and, if asked for, stress of a dump of particles.
-    subroutine read_dump(path, stress, values, found, err)
-        character(*), intent(in) :: path
-        logical, intent(in) :: stress
-        real(dp), allocatable, intent(out) :: values(:, :)
-        logical, intent(out) :: found(:)
+    !> Move the particles of a body that takes its stress from a dump by the displacements there:
+    !> what holds them to the unloaded body then has the forces that it had. To be called once
+    !> supports have their particles, which are known by their places in the unloaded body.
+    subroutine move_from_dump(input, solid, body, err)
+        type(body_case_t), intent(in) :: input
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
         type(h5_t) :: file
-        real(dp), allocatable :: x(:, :), v(:, :), s(:, :)
+        real(dp), allocatable :: x(:, :), d(:, :)
+        integer, allocatable :: order(:)
+        integer :: i, n
+
+        if (input%start_file == '' .or. .not. input%start_stress .or. failed(err)) return
+        if (lies_as_dumped(input)) return
+        if (index(input%start_file, '.csv') > 0) return
+        n = solid%dimension
+        call h5_open(file, trim(input%start_file), err)
+        call read_triples(file, 'VTKHDF/Points', x, err)
+        call read_triples(file, 'VTKHDF/PointData/displacement', d, err)
+        call h5_close(file, err)
+        if (failed(err)) return
+        x = x - d
+        allocate (order(size(x, 2)))
+        call order_rows(x(1:1, :), order)
+        do i = body%first, body%last
+            solid%x(:n, i) = solid%x(:n, i) + d(:n, nearest_point(x(:n, :), order, solid%x(:n, i)))
+        end do
+    end subroutine move_from_dump
+
+    !> True for a body of the points of a dump, which lies displaced, as if unloaded there.
+    pure logical function lies_as_dumped(input)
+        type(body_case_t), intent(in) :: input
+
+        lies_as_dumped = input%shape == 'particles' .and. index(input%file, '.csv') == 0
+    end function lies_as_dumped
+
+    !> Points, velocity and, if asked for, stress of a dump of particles. With the stress the points
+    !> are those of the unloaded body, unless the body lies as the dump does.
+    subroutine read_dump(path, stress, displaced, values, found, largest, err)
+        character(*), intent(in) :: path
+        logical, intent(in) :: stress
+        logical, intent(in) :: displaced !! the body lies as the dump does
+        real(dp), allocatable, intent(out) :: values(:, :)
+        logical, intent(out) :: found(:)
+        real(dp), intent(out) :: largest !! stress of the dump [Pa]
+        type(error_t), intent(inout) :: err
+        type(h5_t) :: file
+        type(error_t) :: absent
+        integer(int64), allocatable :: dims(:)
+        real(dp), allocatable :: x(:, :), v(:, :), d(:, :), s(:, :)
 
         found = .false.
+        largest = 0
         call h5_open(file, path, err)
         call read_triples(file, 'VTKHDF/Points', x, err)
         call read_triples(file, 'VTKHDF/PointData/velocity', v, err)
@@ -125,10 +182,15 @@ contains
         values(4:6, :) = v
         found(1:6) = .true.
         found(7:12) = stress
-        if (stress) then
-            allocate (s(6, size(x, 2)))
-            call h5_read(file, 'VTKHDF/PointData/stress', s, err)
-            values(7:12, :) = s
+        allocate (s(6, size(x, 2)), source=0.0_dp)
+        call h5_shape(file, 'VTKHDF/PointData/stress', dims, absent)
+        if (stress .or. .not. failed(absent)) call h5_read(file, 'VTKHDF/PointData/stress', s, err)
+        if (size(s) > 0) largest = maxval(abs(s))
+        if (stress) values(7:12, :) = s
+        if (stress .and. .not. displaced) then
+            call read_triples(file, 'VTKHDF/PointData/displacement', d, err)
+            if (failed(err)) return
+            values(1:3, :) = values(1:3, :) - d
         end if
         call h5_close(file, err)
     end subroutine read_dump
