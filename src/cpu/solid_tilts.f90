@@ -74,7 +74,7 @@ contains
                 associate (m => solid%links%table(owner_of(solid%links%ends, i), &
                                                   owner_of(solid%links%ends, j)))
                     call add(solid, across, i, j, link_mask(solid%links, k), &
-                             m%scale/real(solid%depth, rk), m%half_over_h, sums)
+                             m%part(1)*m%scale/real(solid%depth, rk), m%half_over_h, sums)
                 end associate
             end do
         end if

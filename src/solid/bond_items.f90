@@ -13,7 +13,8 @@ module brz_bond_items
     use brz_pair_rows, only: add_drag, add_hold, axes_of_pair, mirror_row
     use brz_shared_sums, only: carried_along
     use brz_solid_state, only: at_drag, at_g, at_heat, at_stiff, at_s, at_x, at_y, &
-        bond_breaks, bond_broken, bond_whole, form_bending, form_corrected_hourglass, n_held, &
+        bond_breaks, bond_broken, bond_whole, form_bending, form_corrected_hourglass, held_affine, &
+        held_stiffness, n_held, &
         n_moments, n_pair, n_terms, pair_affine, pair_zeta, pair_keep, pair_linear, &
         pair_quadratic, pair_stress, pair_tilt, pair_volume
     use brz_tilted_arm, only: tilted_arm, tilted_force, wall_arm
@@ -53,6 +54,7 @@ contains
             w = volume(1, j)*kernel_slope(table(a, b)%scale/lay%depth, table(a, b)%half_over_h, &
                                           sqrt(r(1)**2 + r(2)**2 + r(3)**2))
             if (.not. w > 0) cycle ! beyond the support
+            w = w*table(a, b)%part(1)
             call moment_terms(w, r, m)
             if (table(a, b)%law == law_shared) then
                 vr = dot_product(r, dv)
@@ -122,7 +124,7 @@ contains
         real(rk), intent(inout) :: f(n_terms)
         real(dp) :: unloaded(3)
         real(rk) :: own(n_pair), other(n_pair), s(3), r(3), dv(3), dx(3), g(3)
-        real(rk) :: w, u, vr, jump, slope
+        real(rk) :: w, vr, share, slope
         integer :: a, b, j, k, n, t
         integer(int64) :: at
 
@@ -154,16 +156,13 @@ contains
             end do
             call mirror_row(s, other)
             w = own(pair_volume)*other(pair_volume)*slope
-            jump = vr
-            if (table(a, b)%spares > 0) jump = jump_speed(own(pair_affine + 1), &
-                                                          other(pair_affine + 1), r, vr)
-            u = viscous_force(w, table(a, b)%h, dot_product(r, r), jump, &
-                              own(pair_linear) + other(pair_linear), &
-                              own(pair_quadratic) + other(pair_quadratic))
-            do t = 1, 3
-                f(at_drag + t) = f(at_drag + t) + u*r(t)
+            call drag_bond(table(a, b), w, r, vr, own, other, f)
+            w = w*table(a, b)%part(1)
+            share = table(a, b)%part(2)/table(a, b)%part(1)
+            do t = 1, 9
+                other(pair_stress + t) = share*other(pair_stress + t)
             end do
-            f(at_heat) = f(at_heat) - u*vr/2
+            other(pair_zeta) = share*other(pair_zeta)
             if (table(a, b)%law == law_shared) then
                 call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), r, r, g)
                 do t = 1, 3
@@ -174,13 +173,39 @@ contains
             call pull_bond(table(a, b), w, s, r, dx, unloaded, x_ref(1, j), own, other, f)
             w = w*own(pair_keep)*other(pair_keep)
             if (table(a, b)%formulation == form_bending) then
-                call bend_bond(table(a, b), w, s, r, dx, own, other, k_axes(1, i), k_axes(1, j), f)
+                do t = 1, 9
+                    other(pair_affine + t) = share*other(pair_affine + t)
+                end do
+                call bend_bond(table(a, b), share, w, s, r, dx, own, other, k_axes(1, i), &
+                               k_axes(1, j), f)
             else if (table(a, b)%formulation == form_corrected_hourglass) then
                 call add_drag(w, r, dv, own, other, f)
-                if (lay%holds == 1) call add_hold(w, s, r, dv, dx, held(1, i), held(1, j), f)
+                if (lay%holds == 1) call hold_bond(share, w, s, r, dv, dx, held(1, i), &
+                                                   held(1, j), f)
             end if
         end do
     end subroutine pull_bonds
+
+    !> Viscosity of a bonded pair, and its heat.
+    !@cuf attributes(host,device) &
+    pure subroutine drag_bond(m, w, r, vr, own, other, f)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: w, r(3), vr !! vr: v_ij.x_ij [m2/s]
+        real(rk), intent(in) :: own(n_pair), other(n_pair)
+        real(rk), intent(inout) :: f(n_terms)
+        real(rk) :: u, jump
+        integer :: t
+
+        jump = vr
+        if (m%spares > 0) jump = jump_speed(own(pair_affine + 1), other(pair_affine + 1), r, vr)
+        u = viscous_force(w, m%h, dot_product(r, r), jump, m%viscous(1)*own(pair_linear) &
+                          + m%viscous(2)*other(pair_linear), m%viscous(1)*own(pair_quadratic) &
+                          + m%viscous(2)*other(pair_quadratic))
+        do t = 1, 3
+            f(at_drag + t) = f(at_drag + t) + u*r(t)
+        end do
+        f(at_heat) = f(at_heat) - u*vr/2
+    end subroutine drag_bond
 
     !> Force of the stress of a bonded pair.
     !@cuf attributes(host,device) &
@@ -227,16 +252,21 @@ contains
 
     !> Stiff hourglass force of a bonded pair.
     !@cuf attributes(host,device) &
-    pure subroutine bend_bond(m, y, s, r, dx, own, other, hold_i, hold_j, f)
+    pure subroutine bend_bond(m, share, y, s, r, dx, own, other, hold_i, hold_j, f)
         type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: share !! of the other particle, in its row already
         real(rk), intent(in) :: y, s(3), r(3), dx(3), own(n_pair), other(n_pair)
         real(real32), intent(in) :: hold_i(6), hold_j(6)
         real(rk), intent(inout) :: f(n_terms)
+        real(real32) :: theirs(6)
         real(rk) :: stiff(6), g(3)
         integer :: t
 
         if (m%directional) then
-            call axes_of_pair(s, hold_i, hold_j, stiff)
+            do t = 1, 6
+                theirs(t) = real(share, real32)*hold_j(t)
+            end do
+            call axes_of_pair(s, hold_i, theirs, stiff)
             call hourglass_axial(y, stiff, own(pair_affine + 1), other(pair_affine + 1), dx, &
                                  dx, r, g)
         else
@@ -247,6 +277,25 @@ contains
             f(at_stiff + t) = f(at_stiff + t) + g(t)
         end do
     end subroutine bend_bond
+
+    !> Hold of a bonded pair.
+    !@cuf attributes(host,device) &
+    pure subroutine hold_bond(share, y, s, r, dv, dx, own, other, f)
+        real(rk), intent(in) :: share !! of the other particle
+        real(rk), intent(in) :: y, s(3), r(3), dv(3), dx(3), own(n_held), other(n_held)
+        real(rk), intent(inout) :: f(n_terms)
+        real(rk) :: theirs(n_held)
+        integer :: t
+
+        do t = 1, n_held
+            theirs(t) = other(t)
+        end do
+        theirs(held_stiffness) = share*theirs(held_stiffness)
+        do t = 1, 9
+            theirs(held_affine + t) = share*theirs(held_affine + t)
+        end do
+        call add_hold(y, s, r, dv, dx, own, theirs, f)
+    end subroutine hold_bond
 
     !> Add the forces of the bonded partners to `extra`, which pass 2 starts from.
     !@item

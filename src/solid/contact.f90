@@ -48,6 +48,8 @@ module brz_contact
         real(rk) :: stick !! impedance of friction below Coulomb's limit [kg/(m2 s)]
         logical :: shared !! pressures of the two bodies are shared
         logical :: rigid !! the first body is
+        real(rk) :: part(2) !! weight of a bonded pair in the gradients of the first, of the second
+        real(rk) :: viscous(2) !! what each of two bonded bodies gives of its viscosity [-]
         integer :: formulation !! common to both bodies, 0: they differ
         real(rk) :: spares !! 1: the viscosity of both spares smooth flow, see jump_speed
         logical :: directional !! both have a hourglass stiffness along axes

@@ -7,14 +7,16 @@ module brz_interaction_setup
     use brz_flat_surface, only: flat_sum
     use brz_gradient, only: limiter_slope
     use brz_kernel, only: kernel_scale
-    use brz_kinds, only: dp, rk
-    use brz_solid_state, only: form_rigid, form_total, solid_t
+    use brz_kinds, only: dp, real32, rk
+    use brz_material, only: material_t
+    use brz_solid_state, only: body_t, form_corrected_hourglass, form_rigid, form_total, solid_t
     use brz_text, only: to_text
     implicit none
     private
     public :: set_up_interactions, find_rule, rule_of
 
     real(dp), parameter :: most_ratio = 2, good_ratio = 1.1_dp !! of spacings across a bond
+    real(dp), parameter :: most_contrast = 6 !! of bonded materials whose pairs count as all others
 
 contains
 
@@ -35,6 +37,8 @@ contains
                     if (a == b) rule%law = 'none'
                     call make_meeting(solid, rule, a, b, solid%links%table(a, b))
                     if (a >= b) cycle
+                    if (rule%law == 'bonded' .or. rule%law == 'shared') &
+                        call shorten_step(solid, a, b, solid%links%table(a, b))
                     if (rule%law == 'bonded') call judge_bond(solid, a, b, label('body', &
                         case%bodies(b)%id, case%bodies(b)%place)//'it is bonded to', err)
                     if (rule%law == 'shared') call judge_bond(solid, a, b, label('body', &
@@ -131,6 +135,7 @@ contains
             m%spares = merge(1, 0, p%limiter == limiter_slope .and. q%limiter == limiter_slope)
             m%directional = p%directional .and. q%directional
             if (p%directional .neqv. q%directional) m%formulation = 0
+            call weigh_bond(p, q, s, t, m)
             m%normal = reshape([p%normal, q%normal], [3, 2])
             m%lift = [p%lift, q%lift]
             m%curved = [p%curved, q%curved]
@@ -145,6 +150,71 @@ contains
         m%quadratic = rule%bond_law == 'quadratic'
         m%bit = 0
     end subroutine make_meeting
+
+    !> Weights of a bonded pair in the gradients of both, and shares of its viscosity.
+    !>
+    !> The stress of a heavy, stiff body pushes light particles at rates that go with its stiffness
+    !> over their density, of which the time step of neither knows. Beyond `most_contrast` pairs
+    !> count less in the gradients of the heavy body, and as much more in those of the light one:
+    !> gradients stay exact for linear fields, forces their adjoint, and the rates are those of the
+    !> bodies. Both weights add up to two, so that a uniform stress pulls as before.
+    !>
+    !> Source: docs/solid.md section 9; 2 Z_j/(Z_i + Z_j) in Parshikov and Medin 2002
+    pure subroutine weigh_bond(p, q, s, t, m)
+        type(body_t), intent(in) :: p, q
+        type(material_t), intent(in) :: s, t !! theirs
+        type(meeting_t), intent(inout) :: m
+        real(dp) :: excess
+
+        m%part = 1
+        m%viscous = 1
+        if (m%rigid .or. q%formulation == form_rigid) return
+        m%viscous = real(min([t%density/s%density, s%density/t%density], 1.0_dp), rk)
+        excess = contrast(s, t)/most_contrast
+        if (.not. excess > 1) return
+        if (p%thin .or. q%thin) then ! a single layer has no gradient across without its partner
+            if (m%formulation == form_corrected_hourglass) m%formulation = 0
+            return
+        end if
+        m%part = real([1/excess, 2 - 1/excess], rk)
+        if (s%density < t%density) m%part = m%part([2, 1])
+    end subroutine weigh_bond
+
+    !> How much heavier one of two materials is, or how much larger its impedance, if that is less;
+    !> below 1 where the heavier one has the smaller impedance.
+    pure real(dp) function contrast(s, t)
+        type(material_t), intent(in) :: s, t
+        real(dp) :: density(2), z(2)
+
+        density = [s%density, t%density]
+        z = density*[s%c_wave, t%c_wave]
+        contrast = maxval(density)/minval(density)
+        contrast = min(contrast, z(maxloc(density, 1))/z(3 - maxloc(density, 1)))
+    end function contrast
+
+    !> A bond to a single layer is not weighted; where it is too stiff for the light body's waves
+    !> both take shorter steps.
+    subroutine shorten_step(solid, a, b, m)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: a, b
+        type(meeting_t), intent(in) :: m
+        real(dp) :: share
+
+        associate (p => solid%bodies(a), q => solid%bodies(b), &
+                   s => solid%materials(solid%bodies(a)%material), &
+                   t => solid%materials(solid%bodies(b)%material))
+            if (m%rigid .or. q%formulation == form_rigid .or. .not. (p%thin .or. q%thin)) return
+            share = sqrt(most_contrast/contrast(s, t))
+            if (share >= 1) return
+            p%cfl = real(share, rk)*p%cfl
+            q%cfl = real(share, rk)*q%cfl
+            solid%notes = solid%notes//"bodies '"//trim(p%id)//"' and '"//trim(q%id)//"' are "// &
+                'joined, one a single layer of particles, with densities that differ by a '// &
+                'factor of '//to_text(real(max(s%density/t%density, t%density/s%density), &
+                real32))//': their time step is '//to_text(real(share, real32))//' of what it '// &
+                'is alone; two layers or more need no shorter one'//new_line('a')
+        end associate
+    end subroutine shorten_step
 
     !> A bond joins one continuum: lattices must not differ too much.
     subroutine judge_bond(solid, a, b, start, err)

@@ -151,6 +151,7 @@ module brz_solid_state
         real(dp) :: stretch(3) = 1 !! x_ref over the unloaded place, see brz_wide_lattice
         real(dp) :: volume_scale = 1 !! volume of a particle over that of its lattice cell
         integer :: across = 0 !! bars: particles across the diameter
+        logical :: thin = .false. !! a single layer or row of particles
         integer :: group = 1 !! its first group of particles
         logical :: variable = .false. !! smoothing length follows the density
         real(rk) :: zeta = 2, zeta_viscous = 0

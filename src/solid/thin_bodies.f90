@@ -49,6 +49,7 @@ contains
 
         associate (input => case%bodies(b))
             body%across = layers_across(input, input%spacing)
+            body%thin = body%across == 1
             if (body%across > 1 .or. is_held_whole(input)) return
             if (body%formulation == form_rigid) return
             if (is_bonded(case, b, no_bars=.true.)) return
@@ -67,7 +68,7 @@ contains
         integer, intent(in) :: b
         type(shape_t), intent(in) :: shape
         type(material_t), intent(in) :: material
-        type(body_t), intent(in) :: body
+        type(body_t), intent(inout) :: body
         character(:), allocatable, intent(inout) :: notes
         type(error_t), intent(inout) :: err
         character(:), allocatable :: name, remedy
@@ -79,6 +80,7 @@ contains
             d = shape%dimension
             thin = .false.
             thin(:d) = shape%n(:d) == 1 .and. .not. shape%on_plane(:d)
+            body%thin = any(thin)
             if (.not. any(thin) .or. all(shape%n(:d) == 1)) return
             if (body%formulation == form_rigid .or. is_held_whole(input) .or. body%layer > 0) return
             if (material%class == class_fluid .or. is_bonded(case, b)) return
