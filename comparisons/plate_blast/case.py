@@ -88,8 +88,6 @@ CASE = Case(
         "Brisance, &load, 3 layers": "five to six times the time of 288 quadratic bricks, as three "
         "layers are 25,392 particles and short steps; aspect = 3, 3, 1 takes a tenth of it (P4')",
         "Brisance, &load, 3 wide layers": "an eighth of the particles of cubes",
-        "Brisance, &load, 5 wide layers": "by the rule for faces hit obliquely as printed (docs/"
-        "blast.md); three layers and bricks bend 1.0 to 1.2 % more by the right one",
         "OpenRadioss /LOAD/PBLAST": "the same load on 6,400 bricks: eight times quicker; its "
         "rule for faces hit obliquely was mended in February 2023",
         "CalculiX 12 x 12 x 2, K-B as recorded": "by which rule for faces hit "
