@@ -23,7 +23,7 @@ NUMERICAL = (
 TOTALS = (
     (("solid_kinetic",), "kinetic energy of the bodies"),
     (("solid_internal",), "internal energy of the bodies"),
-    (("load_work",), "work of the air on the bodies"),
+    (("load_work",), "work of the {load} on the bodies"),
     (("drive_work",), "work of prescribed motion"),
     (("plastic",), "spent in plastic work"),
     (("damage",), "spent in damage"),
@@ -35,6 +35,16 @@ TOTALS = (
     (("impulse_z",), "impulse of the air on the bodies, z"),
 )
 EXTENSIVE = {"kg", "J", "N s"}  # units of what a part has less of than the whole
+
+
+def has_air(run: Run) -> bool:
+    """Whether the scene has air."""
+    return bool(run.deck.groups("air"))
+
+
+def _load(run: Run) -> str:
+    """What loads the bodies."""
+    return "air" if has_air(run) else "loads"
 
 
 def column(history: History, name: str) -> np.ndarray | None:
@@ -107,23 +117,27 @@ def balance_table(run: Run) -> Table:
     history = run.history("energy")
     if history is None or not len(history):
         return Table("Balance", (), [])
-    rows = [
-        ("energy, what is not accounted for, relative", *_worst(history, "error", "ratio")),
-        ("mass of the air, what is not accounted for, relative", *_worst(history, "mass_error")),
-        ("momentum, air and what it gave, relative", *_worst(history, "momentum_error")),
-    ]
+    rows = [("energy, what is not accounted for, relative", *_worst(history, "error", "ratio"))]
+    if has_air(run):
+        rows += [
+            (
+                "mass of the air, what is not accounted for, relative",
+                *_worst(history, "mass_error"),
+            ),
+            ("momentum, air and what it gave, relative", *_worst(history, "momentum_error")),
+        ]
     rows = [row for row in rows if row[1] != "–"]
-    rows += _coupling(history)
+    rows += _coupling(history) if has_air(run) else []
     rows += [
         (f"{share.name}, of the energy put in", _percent(share.largest), _percent(share.end))
         for share in numerical_shares(history)
     ]
-    if column(history, "air_internal") is not None:
+    if has_air(run) and column(history, "air_internal") is not None:
         counts = [f"{history[name][-1]:.0f}" for name in history.find(r".*fallback.*")]
         rows.append(("faces that fell back to first order", "", *(counts or ["not recorded"])[:1]))
     note = (
         f"Energy put into the bodies: {_both(run, energy_put_in(history), 'J')}: kinetic energy at "
-        "the start, work of the air and of prescribed motion."
+        f"the start, work of the {_load(run)} and of prescribed motion."
     )
     return Table("Balance", ("quantity", "largest", "at the end"), rows, note)
 
@@ -170,7 +184,7 @@ def totals_table(run: Run) -> Table:
         unit = "N s" if names[0].startswith("impulse") else "J"
         top, factor = largest(values), whole_factor(run, names[0], unit)
         when = show(history.time[top], "s")
-        row = [label, show(values[top], unit), when, show(values[-1], unit)]
+        row = [label.format(load=_load(run)), show(values[top], unit), when, show(values[-1], unit)]
         if images > 1:
             row += [show(factor * values[top], unit), show(factor * values[-1], unit)]
         rows.append(tuple(row))
@@ -198,7 +212,7 @@ def body_table(run: Run) -> Table:
         "kinetic": "kinetic energy",
         "internal": "internal energy",
         "damage_mean": "mean damage",
-        "load_work": "work of the air",
+        "load_work": f"work of the {_load(run)}",
     }
     there = [n for n in wanted if any(f"{b}:{n}" in history for b in history.owners())]
     rows = []

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from post.deck import AXES
 from post.errors import PostError
-from post.gauges import list_gauges
+from post.gauges import Gauge, list_gauges
 from post.perforation import load_plate
 from post.reader import Run
 from post.tables import Table
@@ -60,21 +61,19 @@ def _turning_points(values: np.ndarray, least: float) -> list[float]:
 
 def displacement_table(run: Run) -> Table:
     """Gauges of displacement, then the middle and the farthest point of each plate by its dumps."""
-    rows = []
-    for gauge in list_gauges(run):
-        if gauge.quantity.startswith("displacement"):
-            history = run.gauges
-            rows.append(
-                _row(f"{gauge.id} ({gauge.quantity[-1]})", history.time, history[gauge.column])
-            )
+    rows, gauges = [], [g for g in list_gauges(run) if g.quantity.startswith("displacement")]
+    for gauge in gauges:
+        history = run.gauges
+        rows.append(_row(f"{gauge.id} ({gauge.quantity[-1]})", history.time, history[gauge.column]))
     for body in run.deck.bodies():
         if body.shape == "box":
-            rows += _rows_of_plate(run, body)
+            rows += _rows_of_plate(run, body, gauges)
     heads = ("what", "largest", "at", "at the end", "residual")
     note = (
         "Residual: middle of the last two turning points, a dash where the body has not swung back "
-        "and forth. Middle and farthest particle of a body: at the times of the dumps, those left "
-        "out that came loose by the end."
+        "and forth. Middle and farthest particle of a body: at the times of the dumps alone, so "
+        "they may have gone farther; those that came loose by the end are left out, and a middle "
+        "that has a gauge."
     )
     return Table("Displacements", heads, [row for row in rows if row], note)
 
@@ -89,7 +88,7 @@ def _row(name: str, time: np.ndarray, move: np.ndarray) -> tuple[str, ...] | Non
     return (name, show(found.peak, "m"), times, show(found.end, "m"), show(found.residual, "m"))
 
 
-def _rows_of_plate(run: Run, body) -> list:
+def _rows_of_plate(run: Run, body, gauges: list[Gauge]) -> list:
     """Middle and farthest particle of a body along its normal, over the dumps."""
     frames = [frame for frame in run.frames if frame.solid_path]
     try:
@@ -108,7 +107,18 @@ def _rows_of_plate(run: Run, body) -> list:
         kept = away[plate.stays]
         farthest.append(kept[np.argmax(np.abs(kept))])
     time = np.array([frame.time for frame in frames])
-    return [
-        _row(f"{body.id}, middle", time, np.array(middle)),
-        _row(f"{body.id}, farthest", time, np.array(farthest)),
-    ]
+    rows = [_row(f"{body.id}, farthest", time, np.array(farthest))]
+    if not any(_measures(gauge, body, plate.normal, rest[nearest]) for gauge in gauges):
+        rows.insert(0, _row(f"{body.id}, middle", time, np.array(middle)))
+    return rows
+
+
+def _measures(gauge: Gauge, body, normal: int, place: np.ndarray) -> bool:
+    """Whether a gauge records the motion of a place (3) [m] of a plate along its normal: it does so
+    to half of the thickness across, and to a particle along the plate.
+    """
+    if gauge.body != body.id or gauge.at is None or gauge.quantity[-1] != AXES[normal]:
+        return False
+    away = np.abs(gauge.at - place)
+    away[normal] = max(away[normal] - (body.high[normal] - body.low[normal]) / 2, 0.0)
+    return bool((away <= body.step).all())

@@ -16,7 +16,7 @@ from post.labels import note
 from post.reader import Run
 from post.reference_lines import draw_references
 from post.style import BLUE, GREEN, GREY, ORANGE, RED, Picture, legend_above, new_figure, save
-from post.units import scale_for, show
+from post.units import scale_for, show, show_point
 
 PER_PICTURE = 3  # gauges in one picture
 
@@ -47,11 +47,7 @@ def draw_gauges(run: Run, references: list[Reference], folder: Path) -> list[Pic
 
 def _draw_gauge(axis, run: Run, gauge: Gauge, references: list[Reference]) -> str:
     """One gauge; returns a sentence on it."""
-    place = (
-        ""
-        if gauge.at is None
-        else " at ({}) mm".format(", ".join(f"{1e3 * x:g}" for x in gauge.at))
-    )
+    place = "" if gauge.at is None else f" at {show_point(gauge.at)}"
     axis.set_title(f"{gauge.id}{place}")
     try:
         pulse = measure(run, gauge)
@@ -124,7 +120,7 @@ def _mark_pulse(axis, pulse: Pulse, tf: float, pf: float) -> None:
         note(axis, text, (pulse.arrival / tf, 0.35 * pulse.peak / pf))
     axis.plot(pulse.peak_time / tf, pulse.peak / pf, "o", color=BLUE, ms=4.5)
     text = f"peak {show(pulse.peak, 'Pa')} at {show(pulse.peak_time, 's')}"
-    note(axis, text, (pulse.peak_time / tf, pulse.peak / pf))
+    note(axis, text, (pulse.peak_time / tf, pulse.peak / pf), color=BLUE)
 
 
 def _draw_impulse(axis, time, over, pulse: Pulse, scale: tuple) -> None:

@@ -31,7 +31,7 @@ def hole_table(found: Perforation) -> Table:
         "their area. A hole and its mirror images are given once, as it is in the modelled part."
     )
     title = f"Holes in {found.plate.body.id} at {show(found.plate.time, 's')}"
-    return Table(title, ("hole", "loose parts away", "broken fibres away too"), rows, note)
+    return Table(title, ("hole", "loose parts away", f"{found.plate.broken} away too"), rows, note)
 
 
 def _rows_of_hole(plate: Plate, hole: HoleAround, number: int) -> list[tuple[str, str, str]]:
@@ -46,12 +46,12 @@ def _rows_of_hole(plate: Plate, hole: HoleAround, number: int) -> list[tuple[str
         f"in the face at {side} low": layers[0],
     }
     if len(layers) > 1:
-        holes["in the widest ply"] = max(layers, key=lambda h: h.seen.area)
-        holes["in the narrowest ply"] = min(layers, key=lambda h: h.seen.area)
+        holes[f"in the widest {plate.level}"] = max(layers, key=lambda h: h.seen.area)
+        holes[f"in the narrowest {plate.level}"] = min(layers, key=lambda h: h.seen.area)
     rows = [(name, *_both(one)) for name, one in holes.items()]
     for name, region in hole.damaged.items():
         area = f"{1e6 * region.area:.3g} mm2"
-        rows.append((f"{name} in some ply around it", show(region.diameter, "m"), area))
+        rows.append((f"{name} in some {plate.level} around it", show(region.diameter, "m"), area))
     return rows
 
 
@@ -99,8 +99,8 @@ def _draw_hole(found: Perforation, hole: HoleAround, path: Path, several: str) -
         f"Body {plate.body.id} of {plate.body.material or 'unknown material'}, "
         f"{1e3 * plate.body.spacing:.3g} mm between particles, at {show(plate.time, 's')}, loose "
         f"particles taken away. Hole through the plate{at}{images}: "
-        f"{show(through.seen.diameter, 'm')} (red: circle of equal area), with broken fibres taken "
-        f"away too {show(through.pushed.diameter, 'm')} (dashed)."
+        f"{show(through.seen.diameter, 'm')} (red: circle of equal area), with {plate.broken} "
+        f"taken away too {show(through.pushed.diameter, 'm')} (dashed)."
     )
     return Picture(save(figure, path), f"Hole in {plate.body.id}{several}", caption)
 
@@ -187,7 +187,7 @@ def _draw_layers(axis, plate: Plate, hole: HoleAround) -> None:
     number = np.arange(1, len(hole.layers) + 1)
     for name, colour, values in (
         ("loose parts away", BLUE, [h.seen.diameter for h in hole.layers]),
-        ("broken fibres away", RED, [h.pushed.diameter for h in hole.layers]),
+        (f"{plate.broken} away", RED, [h.pushed.diameter for h in hole.layers]),
     ):
         axis.plot(1e3 * np.array(values), number, "o-", ms=3, color=colour, label=name)
     axis.axvline(1e3 * hole.through.seen.diameter, color=BLUE, lw=0.9, ls=":")
@@ -196,7 +196,7 @@ def _draw_layers(axis, plate: Plate, hole: HoleAround) -> None:
     axis.set_ylim(0.5, len(number) + 0.5)
     axis.yaxis.set_major_locator(plt.MaxNLocator(8, integer=True))
     axis.set_xlabel("diameter of the hole [mm]")
-    what = "ply" if plate.field.get("ply", np.zeros(1)).max() > 1 else "layer"
+    what = plate.level
     axis.set_ylabel(f"{what}, from {AXES[plate.normal]} low")
     axis.set_title("hole by " + what)
     axis.legend(loc="best", fontsize=7.5, handlelength=1.2)

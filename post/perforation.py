@@ -29,6 +29,7 @@ from post.surface import Lattice, edges_of, find_lattice
 LEAST = 3  # spacings: a few particles that came loose are no hole
 BROKEN = 0.5  # damage from which a particle counts as broken
 FIBRES = ("damage_fibre_tension", "damage_fibre_compression")
+PLIES = "orthotropic_ply"  # the model of what has fibres
 MODES = {
     "fibres broken": FIBRES,
     "delaminated": ("damage_delamination",),
@@ -52,6 +53,18 @@ class Plate:
     layer: np.ndarray  # (n) number of the ply, or of the layer of particles, from 1 at the low side
     field: dict[str, np.ndarray]
     mirrors: tuple[bool, bool]  # of the two axes in the plane
+    fibres: bool  # it is of plies with fibres; else particles count as broken by their damage
+
+    @property
+    def broken(self) -> str:
+        """Name of what counts as broken."""
+        return "broken fibres" if self.fibres else "failed particles"
+
+    @property
+    def level(self) -> str:
+        """Name of a layer."""
+        several = self.field.get("ply", np.zeros(1)).max(initial=0) > 1
+        return "ply" if self.fibres and several else "layer"
 
     @property
     def plane(self) -> tuple[int, int]:
@@ -119,13 +132,26 @@ def load_plate(run: Run, frame: Frame, name: str | None = None) -> Plate:
         raise PostError(f"body '{body.id}': its particles do not lie on a lattice")
     edges, held = edges_of(points, lattice)
     normal = int(np.argmin(body.high - body.low))
-    broken = np.max([field[k] for k in FIBRES if k in field] or [field["damage"]], axis=0) > BROKEN
+    fibres = run.deck.model_of(body.material) == PLIES
+    modes = [field[k] for k in FIBRES if k in field and fibres]
+    broken = np.max(modes or [field["damage"]], axis=0) > BROKEN
     stays = largest_piece(lattice, held, np.ones(len(own), bool))
     sound = largest_piece(lattice, held, ~broken)
     layer = _layers(field, lattice, normal)
     mirrors = tuple(cut for d, cut in enumerate(run.deck.mirrors) if d != normal)
     return Plate(
-        body, solid.time, normal, points, lattice, edges, stays, sound, layer, field, mirrors
+        body,
+        solid.time,
+        normal,
+        points,
+        lattice,
+        edges,
+        stays,
+        sound,
+        layer,
+        field,
+        mirrors,
+        fibres,
     )
 
 
@@ -236,7 +262,7 @@ def _damage_around(plate: Plate, hole: Opening) -> dict[str, Opening]:
     found = {}
     for name, fields in MODES.items():
         there = [plate.field[key] for key in fields if key in plate.field]
-        if not there:
+        if not there or not (plate.fibres or name == "damaged at all"):
             continue
         broken = (np.max(there, axis=0) > BROKEN) | ~plate.stays
         mask = np.zeros(shape, bool)

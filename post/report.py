@@ -24,7 +24,7 @@ from post.perforation import LEAST, load_plate, measure_perforation
 from post.reader import Frame, Run
 from post.style import Picture
 from post.tables import Table, as_text
-from post.units import show
+from post.units import show, show_point
 from post.view import IN_REPORT, framed, make_view
 
 MOST_BODIES = 12  # that are described one by one
@@ -144,7 +144,7 @@ def gauge_table(run: Run) -> Table:
     """What each pressure gauge saw."""
     rows = []
     for gauge in pressure_gauges(run):
-        place = "–" if gauge.at is None else ", ".join(f"{1e3 * x:g}" for x in gauge.at)
+        place = "–" if gauge.at is None else show_point(gauge.at)
         try:
             p = measure(run, gauge)
         except PostError as error:
@@ -154,7 +154,7 @@ def gauge_table(run: Run) -> Table:
         times = (show(p.rise_time, "s", 2), show(p.duration, "s"))
         peak, arrival = show(p.peak, "Pa"), show(p.arrival, "s")
         rows.append((gauge.id, place, arrival, peak, *times, impulse, p.remark))
-    heads = ("gauge", "at [mm]", "arrival", "peak overpressure", "rise", "duration", "impulse", "")
+    heads = ("gauge", "at", "arrival", "peak overpressure", "rise", "duration", "impulse", "")
     note = (
         "Arrival: 10 % of the peak is passed. Rise: 10 to 90 %. Duration: until the overpressure "
         "turns to suction. Impulse: overpressure over that time."

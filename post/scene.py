@@ -38,6 +38,7 @@ from post.style import (
 )
 from post.surface import skin_of
 from post.tints import tints_of
+from post.units import scale_for, show
 
 TALL, WIDE = (1200, 1200), (1500, 1150)  # pixels
 MOST_CELLS = 4_000_000  # of the air that is contoured; a larger grid is thinned out
@@ -46,7 +47,6 @@ MOST_CELLS = 4_000_000  # of the air that is contoured; a larger grid is thinned
 LIGHTS = (((0, 0, 1), 0.45), ((-0.5, 0.9, 0.4), 0.5), ((-0.5, -0.9, 0.4), 0.5))
 AMBIENT, DIFFUSE = 0.5, 0.5
 LITTLE_DAMAGE = 0.02
-MOVE = "displacement [mm]"
 AXES = "xyz"
 
 
@@ -85,11 +85,11 @@ def draw_blast(run: Run, folder: Path, frame: Frame | None = None) -> Picture:
     paint = None if solids is None else tints.paint(solids.damage, solids.body)
     pressure = (colours, run.deck.ambient)
     image, level = _render_blast(air, cut, (solids, paint), pressure, _elevation(run.deck))
-    plane = f"{AXES[cut.normal]} = {1e3 * cut.level:g} mm"
+    plane = f"{AXES[cut.normal]} = {show(cut.level, 'm', 6)}"
     caption = (
         f"t = {1e3 * frame.time:.3f} ms. Pressure of the air in the plane {plane} where it is "
         f"above ambient (logarithmic) and, behind it, the shell in which it exceeds "
-        f"{level / 1e6:.2g} MPa. "
+        f"{show(level, 'Pa', 2)}. "
     )
     if any(run.deck.mirrors):
         caption += "The scene is mirrored over its planes of symmetry. "
@@ -114,8 +114,10 @@ def draw_bodies(run: Run, folder: Path, frame: Frame | None = None) -> Picture:
     solids = gather_solids(run, frame)
     tints, little = tints_of(run.deck), float(solids.damage.max(initial=0.0)) < LITTLE_DAMAGE
     if little and solids.largest > 0:
-        colours, label = ScalarMappable(Normalize(0, 1e3 * solids.largest), "viridis"), MOVE
-        paint = colours.to_rgba(1e3 * solids.distance)[:, :3]
+        factor, unit = scale_for([solids.largest], "m")
+        colours = ScalarMappable(Normalize(0, solids.largest / factor), "viridis")
+        label = f"displacement [{unit}]"
+        paint = colours.to_rgba(solids.distance / factor)[:, :3]
     else:
         colours, label = DAMAGE_COLOURS, "damage [-]"
         paint = tints.paint(solids.damage, solids.body)
@@ -128,7 +130,7 @@ def draw_bodies(run: Run, folder: Path, frame: Frame | None = None) -> Picture:
         tints.legend(figure)
     scale = solids.magnification
     how = "true scale" if scale == 1 else f"displacements magnified {scale:g} times"
-    caption = f"t = {when}, {how}; largest displacement {1e3 * solids.largest:.3g} mm, "
+    caption = f"t = {when}, {how}; largest displacement {show(solids.largest, 'm')}, "
     caption += f"largest damage {float(solids.damage.max(initial=0.0)):.2g}."
     if colours is not DAMAGE_COLOURS:
         caption += " There is hardly any damage, so the colour is the displacement."

@@ -34,6 +34,7 @@ from post.style import (
     save,
 )
 from post.tints import Tints, tints_of
+from post.units import scale_for, show
 
 AXES = "xyz"
 WIDE = 0.75  # height over width of a scene whose times stand below each other
@@ -90,7 +91,7 @@ def _top_of_scale(airs: list[AirGrid | None]) -> float:
 
 
 def _caption(run: Run, cut: Cut, stretch: float | None) -> str:
-    plane = f"in the plane {AXES[cut.normal]} = {1e3 * cut.level:g} mm"
+    plane = f"in the plane {AXES[cut.normal]} = {show(cut.level, 'm', 6)}"
     if cut.whole:
         plane = f"in the plane of {AXES[cut.across]} and {AXES[cut.up]}"
     text = f"Pressure of the air {plane}, on one logarithmic scale (blue: suction)"
@@ -115,7 +116,7 @@ def _label_strips(figure, axes, cut: Cut) -> float:
     stretch = float(box.height / up / (box.width / across))
     for axis in axes:
         if axis.get_ylabel():
-            axis.set_ylabel(f"{AXES[cut.up]} [mm], {stretch:.2g} : 1", fontsize=8.5)
+            axis.set_ylabel(f"{axis.get_ylabel()}, {stretch:.2g} : 1", fontsize=8.5)
     return stretch
 
 
@@ -212,7 +213,8 @@ def draw_bodies(axis, quads: np.ndarray, paint: np.ndarray | None = None) -> Non
 
 
 def dress(axis, view: np.ndarray, cut: Cut) -> None:
-    """Limits, ticks and labels in mm."""
+    """Limits, ticks and labels, in mm below a width of 1 m."""
+    factor, unit = scale_for(view[0], "m")
     axis.set_aspect("equal")
     axis.set_xlim(view[0])
     axis.set_ylim(view[1])
@@ -221,10 +223,10 @@ def dress(axis, view: np.ndarray, cut: Cut) -> None:
     axis.xaxis.set_major_locator(plt.MaxNLocator(3 if narrow else 6))
     axis.yaxis.set_major_locator(plt.MaxNLocator(5))
     for one in (axis.xaxis, axis.yaxis):
-        one.set_major_formatter(lambda value, _: f"{1e3 * value:g}")
+        one.set_major_formatter(lambda value, _: f"{value / factor:g}")
     axis.tick_params(labelsize=8)
-    axis.set_xlabel(f"{AXES[cut.across]} [mm]", fontsize=8.5)
-    axis.set_ylabel(f"{AXES[cut.up]} [mm]", fontsize=8.5)
+    axis.set_xlabel(f"{AXES[cut.across]} [{unit}]", fontsize=8.5)
+    axis.set_ylabel(f"{AXES[cut.up]} [{unit}]", fontsize=8.5)
 
 
 def _clear_inner_labels(axes) -> None:

@@ -100,7 +100,7 @@ def _energies(run: Run) -> Values:
     for names, label, unit in (
         (("solid_kinetic",), "kinetic energy of the bodies", "J"),
         (("solid_internal",), "internal energy of the bodies", "J"),
-        (("load_work",), "work of the air on the bodies", "J"),
+        (("load_work",), "work of the air or the loads on the bodies", "J"),
         (("plastic",), "spent in plastic work", "J"),
         (("damage",), "spent in damage", "J"),
         *(((f"impulse_{axis}",), f"impulse of the air, {axis}", "N s") for axis in "xyz"),

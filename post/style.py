@@ -17,6 +17,7 @@ from matplotlib.colors import LinearSegmentedColormap, LogNorm, Normalize
 from matplotlib.ticker import LogLocator
 
 from post.labels import settle
+from post.units import scale_for
 
 WIDTH = 7.5  # of a picture [inch]; a page shows it 900 pixels wide
 DPI = 200
@@ -90,12 +91,13 @@ def pressure_colours(ambient: float, top: float) -> ScalarMappable:
 
 
 def pressure_bar(figure, colours: ScalarMappable, axes, **options):
-    """A colour bar of the pressure in MPa, marked at 1, 2 and 5."""
+    """A colour bar of the pressure, marked at 1, 2 and 5; in kPa below 1 MPa."""
     bar = figure.colorbar(colours, ax=axes, **options)
-    bar.set_label("pressure [MPa]", fontsize=8.5)
+    factor, unit = scale_for([colours.norm.vmax], "Pa")
+    bar.set_label(f"pressure [{unit}]", fontsize=8.5)
     few = colours.norm.vmax < 300 * colours.norm.vmin
     bar.long_axis.set_major_locator(LogLocator(subs=(1, 2, 5) if few else (1,)))
-    bar.long_axis.set_major_formatter(lambda value, _: f"{value / 1e6:g}")
+    bar.long_axis.set_major_formatter(lambda value, _: f"{value / factor:g}")
     bar.long_axis.set_minor_formatter(lambda value, _: "")
     bar.ax.tick_params(labelsize=8)
     return bar

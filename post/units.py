@@ -9,6 +9,7 @@ import numpy as np
 
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 PREFIXED = {"Pa", "s", "m", "J", "W", "N", "N s", "Pa s"}  # m/s and kg stay as they are
+NOTHING = 1e-12  # in SI units, whatever they are: what is shown below it is rounding
 KNOWN = {"Pa", "s", "m", "g", "J", "N", "m/s", "N s", "kg", "Hz", "m/s2", "kg/m3", "J/kg"}
 
 
@@ -62,10 +63,19 @@ def scale_for(values, unit: str) -> tuple[float, str]:
     return PREFIXES[-1][0], PREFIXES[-1][1] + unit
 
 
+def show_point(point) -> str:
+    """A place with the unit in which its largest coordinate is best read: '(0, 12.5) mm'."""
+    factor, name = scale_for(point, "m")
+    return f"({', '.join(f'{x / factor:.6g}' for x in point)}) {name}"
+
+
 def show(value: float, unit: str, digits: int = 3) -> str:
-    """A value with its unit for people, e.g. '12.2 MPa'; a dash where there is none."""
+    """A value with its unit for people, e.g. '12.2 MPa'; a dash where there is none, 0 where there
+    is rounding alone.
+    """
     if value is None or not math.isfinite(value):
         return "–"
+    value = 0.0 if abs(value) < NOTHING else value
     factor, name = scale_for([value], unit)
     return f"{_plain(value / factor, digits)} {name}".removesuffix(" -")
 

@@ -63,8 +63,44 @@ def test_targets_that_a_page_names_are_there(page):
     assert named <= TARGETS, named - TARGETS
 
 
-def test_what_is_not_there_is_seen(tmp_path):
+def names_in(text):
+    """Names in code of a page that look like those of procedures and types: words and `_`."""
+    text = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+    return set(re.findall(r"`([a-z][a-z0-9]+(?:_[a-z0-9]+)+)`", text))
+
+
+@pytest.fixture(scope="module")
+def known_names():
+    """Words of all sources, and names of their files."""
+    known = set()
+    for folder in ("src", "cuda", "post", "scripts", "tests", "comparisons"):
+        for path in (ROOT / folder).rglob("*"):
+            if path.suffix.lower() in (".f90", ".cuf", ".pf", ".py", ".sh", ".c", ".ll"):
+                if path.name != Path(__file__).name:
+                    known |= set(re.findall(r"[a-z]\w*", path.read_text().lower()))
+                known.add(path.stem)
+    return known
+
+
+def is_known(name, known):
+    """True for a name in the sources, or for one that is written around one of them."""
+    item = re.fullmatch(r"each_(\w+)", name)  # the loop over an item
+    family = re.fullmatch(r"[a-z]+_(kernels_t)", name)  # the launches of a family of kernels
+    return bool(name in known or (item and item[1] in known) or (family and family[1] in known))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=[page.name for page in PAGES])
+def test_procedures_that_a_page_names_are_there(page, known_names):
+    """Names of procedures, keys and columns, as `sort_bin`."""
+    missing = {name for name in names_in(page.read_text()) if not is_known(name, known_names)}
+    assert not missing
+
+
+def test_what_is_not_there_is_seen(tmp_path, known_names):
     """The tests above can fail."""
+    assert names_in("the procedure `no_such_procedure` of") == {"no_such_procedure"}
+    assert not is_known("no_such_procedure", known_names)
+    assert is_known("sort_bin", known_names) and is_known("each_press_links", known_names)
     assert list(paths_in("see `src/no_such_file.f90`.")) == ["src/no_such_file.f90"]
     assert not is_there("src/no_such_file.f90")
     assert not is_there("src/{air,no_such_folder}")
