@@ -22,7 +22,7 @@ module brz_ledger
     public :: balance_t, ledger_start_t, take_stock, is_balanced, energy_columns, ledger_row
     public :: body_names, body_row, judge
 
-    integer, parameter :: n_energy = 52, n_body = 14, n_interface = 3
+    integer, parameter :: n_energy = 56, n_body = 14, n_interface = 3
 
     !> Columns of energy.csv.
     character(20), parameter :: energy_columns(n_energy) = [character(20) :: &
@@ -44,7 +44,8 @@ module brz_ledger
                                 'air_outflow_x[N s]', 'air_outflow_y[N s]', &
                                 'air_outflow_z[N s]', 'momentum_scale[N s]', &
                                 'reference_work[J]', 'energy_scale[J]', 'coupling_error[-]', &
-                                'bond[J]', 'bond_heat[J]']
+                                'bond[J]', 'bond_heat[J]', 'ambient_x[N s]', &
+                                'ambient_y[N s]', 'ambient_z[N s]', 'coupling_scale[J]']
 
     !> Columns of bodies.csv, for every body.
     character(20), parameter :: body_columns(n_body) = [character(20) :: &
@@ -74,16 +75,19 @@ module brz_ledger
         real(dp) :: outside = 0 !! mass of particles that have left the region [kg]
         real(dp) :: removed(2) = 0 !! mass and energy of what has been taken out [kg, J]
         real(dp) :: drive = 0 !! work of prescribed motion so far [J]
-        real(dp) :: impulse(3) = 0 !! momentum that the air gave to walls so far [N s]
+        real(dp) :: impulse(3) = 0 !! of the overpressure on walls so far [N s]
+        real(dp) :: ambient(3) = 0 !! of the reference pressure on the same faces [N s]
+        real(dp) :: available = 0 !! energy of the air above that of its rest [J]
         real(dp) :: reference_work = 0 !! part of air_work that the reference pressure did [J]
         real(dp) :: total = 0 !! energy of everything [J]
         real(dp) :: products = 0 !! mass of products of explosives in gas, ledgers and debts [kg]
         real(dp) :: products_out = 0 !! what of it left through the outer faces so far [kg]
         real(dp) :: fallback_faces = 0 !! faces that fell back to first order so far
         real(dp) :: held_cells = 0 !! cells of gas that were held so far
-        real(dp) :: energy_scale = 0, momentum_scale = 0 !! that errors are measured against
+        !> that errors are measured against
+        real(dp) :: energy_scale = 0, momentum_scale = 0, coupling_scale = 0
         real(dp) :: energy_error = 0, mass_error = 0, momentum_error = 0 !! relative
-        real(dp) :: coupling_error = 0 !! what coupling loses over the work on the bodies
+        real(dp) :: coupling_error = 0 !! what coupling loses over what it could hand over
         real(dp), allocatable :: bodies(:, :) !! (n_body, bodies) see body_columns
     end type balance_t
 
@@ -96,6 +100,7 @@ module brz_ledger
         real(dp) :: energy = 0 !! the largest of the terms of the energy so far [J]
         real(dp) :: work = 0 !! the largest work of the load so far [J]
         real(dp) :: supply = 0 !! the largest term at t = 0, or work of a drive or load since [J]
+        real(dp) :: available = 0 !! the largest energy of the air above that of its rest so far [J]
     end type ledger_start_t
 
 contains
@@ -124,16 +129,18 @@ contains
             call counts_of_all(air, faces, cells)
             ledger%fallback_faces = real(faces, dp)
             ledger%held_cells = real(cells, dp)
+            ledger%available = available_energy(air, ledger)
         end if
         if (solid%present) call stock_of_solid(backend, solid, ledger, mass, err)
         if (coupling%present) call books_of_all(solid%ranks, coupling, taken)
         ledger%air_work = taken%work
         ledger%reference_work = taken%work_reference
         if (allocated(solid%loads%of)) ledger%reference_work = -ledger%load_work ! from outside
-        ledger%impulse = taken%impulse + taken%impulse_reference
+        ledger%impulse = taken%impulse
+        ledger%ambient = taken%impulse_reference
         ledger%outflow(2:4) = ledger%outflow(2:4) + taken%images
         all = ledger%gas + ledger%kept + ledger%outflow
-        all(2:4) = all(2:4) + ledger%impulse
+        all(2:4) = all(2:4) + ledger%impulse + ledger%ambient
         ledger%total = all(5) + ledger%solid_kinetic + ledger%solid_internal + ledger%hourglass &
                        + ledger%artificial + ledger%contact(1) + sum(ledger%bond) &
                        + ledger%reference_work - ledger%drive
@@ -186,6 +193,17 @@ contains
         call cohesive_totals(solid%cohesive, 0, ledger%bond(1), ledger%bond(2), area(1), area(2))
     end subroutine stock_of_solid
 
+    !> Energy that the air could hand to bodies: that of its motion, and what its mass holds beyond
+    !> air at rest [J].
+    pure real(dp) function available_energy(air, ledger)
+        type(air_t), intent(in) :: air
+        type(balance_t), intent(in) :: ledger
+        real(dp) :: rest
+
+        rest = real(air%p_rest, dp)/((air%scheme%gamma - 1)*real(air%rho_rest, dp)) ! [J/kg]
+        available_energy = max(ledger%gas_kinetic, ledger%gas(5) - rest*ledger%gas(1))
+    end function available_energy
+
     !> A momentum to measure errors against: that of sound through the whole mass of the air.
     pure real(dp) function momentum_scale(air, ledger)
         type(air_t), intent(in) :: air
@@ -231,6 +249,7 @@ contains
         type(ledger_start_t), intent(inout) :: start
         type(balance_t), intent(inout) :: ledger
         real(dp), parameter :: growth = 10
+        real(dp), parameter :: noise = 100*epsilon(1.0_rk) ! of the energy of air at rest
         real(dp) :: supply
 
         start%energy = max(start%energy, largest_term(ledger))
@@ -242,7 +261,10 @@ contains
         if (.not. abs(ledger%total) <= huge(start%total)) & ! that is no number either
             ledger%energy_error = ledger%total - ledger%total
         start%supply = supply
-        if (start%work > 0) ledger%coupling_error = lost_in_coupling(ledger)/start%work
+        start%available = max(start%available, ledger%available)
+        ledger%coupling_scale = max(start%work, start%available)
+        if (ledger%coupling_scale > max(rounding, noise*start%energy)) &
+            ledger%coupling_error = lost_in_coupling(ledger)/ledger%coupling_scale
         if (start%mass > 0) ledger%mass_error = (all(1) - start%mass)/start%mass
         if (ledger%momentum_scale > 0) ledger%momentum_error = &
             maxval(abs(all(2:4) - start%momentum))/ledger%momentum_scale
@@ -286,7 +308,7 @@ contains
         row(37:50) = [ledger%kept(1:4), ledger%gas(2:4), ledger%outflow(2:4), &
                       ledger%momentum_scale, ledger%reference_work, ledger%energy_scale, &
                       ledger%coupling_error]
-        row(51:52) = ledger%bond
+        row(51:56) = [ledger%bond, ledger%ambient, ledger%coupling_scale]
     end function ledger_row
 
     !> Columns of bodies.csv.

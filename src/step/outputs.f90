@@ -153,7 +153,7 @@ contains
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
         character(:), allocatable :: path, note
-        real(dp) :: sums(8)
+        real(dp) :: sums(9)
 
         call find_checkpoint(from, outputs%folder, path, note, err, sim%ranks)
         if (failed(err)) return
@@ -161,7 +161,7 @@ contains
         call read_checkpoint(path, sim%case, sim%clock, sim%air, sim%coupling, sim%solid, sums, err)
         if (failed(err)) return
         sim%start = ledger_start_t(.true., sums(1), sums(2), sums(3:5), sums(6), sums(7), &
-                                   sums(8))
+                                   sums(8), sums(9))
         call resume_clock(sim%clock)
         call resume_solid(sim%solid)
         if (sim%coupling%present) call restart_coupling(sim%air, sim%solid, sim%coupling)

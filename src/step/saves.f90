@@ -201,7 +201,7 @@ contains
         type(saves_t), intent(inout) :: saves
         logical, intent(in) :: apart !! beside the run; else it is on the disk on return
         type(error_t), intent(inout) :: err
-        real(dp) :: sums(8)
+        real(dp) :: sums(9)
         type(writer_t) :: writer
         real(dp) :: mark
         logical :: here
@@ -215,7 +215,7 @@ contains
         call lap(mark, saves%writing)
         if (saves%saved_cycle == sim%clock%cycle .or. failed(err)) return
         sums = [sim%start%total, sim%start%mass, sim%start%momentum, sim%start%energy, &
-                sim%start%work, sim%start%supply]
+                sim%start%work, sim%start%supply, sim%start%available]
         writer%what = 'the checkpoint of t = '//to_text(sim%clock%time)//' s'
         writer%step = sim%clock%cycle
         writer%apart = apart

@@ -45,7 +45,7 @@ contains
         if (len(text) > 0) write (output_unit, '(a)') text
         if (sim%air%present) then
             if (sim%coupling%present) write (output_unit, '(a, es10.2, a)') 'coupling error ', &
-                ledger%coupling_error, ' of the work on the bodies'
+                ledger%coupling_error, ' of the energy that the air could hand to bodies'
             write (output_unit, '(a, es10.2)') 'mass error     ', ledger%mass_error
             write (output_unit, '(a, es10.2)') 'momentum error ', ledger%momentum_error
             write (output_unit, '(a, i0)') 'fallback faces  ', nint(ledger%fallback_faces, int64)
