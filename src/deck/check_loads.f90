@@ -58,7 +58,8 @@ contains
                 key_t(group=g, key='at', n_min=3, n_max=3, unit='m', &
                       meaning='mass: centre of the charge.'), &
                 key_t(group=g, key='detonation_time', unit='s', default='0.0', &
-                      meaning='mass: when it detonates; may be negative.'), &
+                      meaning='mass: when it detonates. Negative: the run begins while the '// &
+                      'wave is on its way, so that gauges and dumps are of what matters.'), &
                 key_t(group=g, key='acceleration', n_min=3, n_max=3, unit='m/s2', &
                       meaning='Of all particles of the body, as by gravity.'), &
                 key_t(group=g, key='force', n_min=3, n_max=3, unit='N', &

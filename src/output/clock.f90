@@ -12,7 +12,7 @@ module brz_clock
     use brz_timer, only: wall_seconds
     implicit none
     private
-    public :: clock_t, ticker_t, start_clock, resume_clock, tick, walltime_is_up
+    public :: clock_t, ticker_t, start_clock, resume_clock, tick, next_due, walltime_is_up
 
     real(dp), parameter :: slack = 1e-9_dp !! rounding that an interval forgives, in intervals
 
@@ -84,6 +84,27 @@ contains
         end if
         if (tick) call pass(ticker, time)
     end function tick
+
+    !> The next time after the present one at which something is due; huge where nothing is, or
+    !> where it is due at every step [s].
+    pure real(dp) function next_due(clock) result(time)
+        type(clock_t), intent(in) :: clock
+
+        time = minval([due_after(clock%dump, clock%time), due_after(clock%history, clock%time), &
+                       due_after(clock%checkpoint, clock%time)])
+    end function next_due
+
+    pure real(dp) function due_after(ticker, time) result(due)
+        type(ticker_t), intent(in) :: ticker
+        real(dp), intent(in) :: time !! [s]
+
+        due = huge(due)
+        if (ticker%every > 0 .and. ticker%every < huge(due)/2) due = ticker%next*ticker%every
+        if (allocated(ticker%times)) then
+            if (ticker%listed <= size(ticker%times)) due = min(due, ticker%times(ticker%listed))
+        end if
+        if (due <= time) due = huge(due)
+    end function due_after
 
     !> Set the first multiple and the first listed time after `time`.
     pure subroutine pass(ticker, time)

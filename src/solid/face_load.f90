@@ -12,6 +12,7 @@ module brz_face_load
     implicit none
     private
     public :: loads_t, facets_t, load_history_t, lay_out, mean_pressures, pushes, find_places
+    public :: arrival_of, first_arrival
 
     !> Facets, those of a particle one after the other.
     !@mirror
@@ -93,6 +94,41 @@ contains
             end associate
         end do
     end function pushes
+
+    !> When a load begins to act: the first wave at its facets, or the last point of its history
+    !> before a value that is not 0; huge where there is none, -huge where it acts all the time [s].
+    pure real(dp) function arrival_of(loads, k) result(arrival)
+        type(loads_t), intent(in) :: loads
+        integer, intent(in) :: k !! place of the load
+        integer :: i
+
+        arrival = huge(arrival)
+        if (loads%of(k)%blast) then
+            associate (facets => loads%facets)
+                arrival = minval([arrival, pack(facets%wave(1, :), facets%load == k &
+                                                .and. facets%wave(2, :) > 0)])
+            end associate
+            return
+        end if
+        associate (time => loads%of(k)%time, value => loads%of(k)%pressure)
+            i = findloc(abs(value) > 0, .true., dim=1)
+            if (i == 0) return
+            arrival = -huge(arrival)
+            if (size(time) > 0) arrival = time(max(i - 1, 1))
+        end associate
+    end function arrival_of
+
+    !> When the first of all loads begins to act [s].
+    pure real(dp) function first_arrival(loads) result(arrival)
+        type(loads_t), intent(in) :: loads
+        integer :: k
+
+        arrival = huge(arrival)
+        if (.not. allocated(loads%of)) return
+        do k = 1, size(loads%of)
+            arrival = min(arrival, arrival_of(loads, k))
+        end do
+    end function first_arrival
 
     pure real(dp) function mean_of(history, time, dt) result(mean)
         type(load_history_t), intent(in) :: history

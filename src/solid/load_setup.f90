@@ -4,8 +4,8 @@ module brz_load_setup
     use brz_body_shape, only: shape_t
     use brz_case, only: case_t, load_case_t, label
     use brz_errors, only: error_t, exit_deck, failed, raise
-    use brz_face_load, only: facets_t, find_places, lay_out
-    use brz_kinds, only: dp, int32, rk
+    use brz_face_load, only: arrival_of, facets_t, find_places, lay_out
+    use brz_kinds, only: dp, int32, real32, rk
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, friedlander_decay, nearest, &
                                    nearest_ground, oblique_shares, surface_blast
     use brz_patch, only: is_under
@@ -71,7 +71,28 @@ contains
             end associate
         end do
         call join(facets, solid%loads%facets)
+        call judge_arrivals(case, solid)
     end subroutine set_up_loads
+
+    !> A load that begins after the end of the run does nothing.
+    subroutine judge_arrivals(case, solid)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(inout) :: solid
+        character(:), allocatable :: remedy
+        real(dp) :: arrival
+        integer :: k
+
+        do k = 1, size(case%loads)
+            arrival = arrival_of(solid%loads, k)
+            if (arrival < case%run%t_end .or. arrival > huge(arrival)/2) cycle
+            remedy = '; make t_end of &run longer'
+            if (solid%loads%of(k)%blast) remedy = remedy//', or let detonation_time be '// &
+                'negative: the run then begins when the wave is near'
+            solid%notes = solid%notes//label('load', case%loads(k)%id, case%loads(k)%place)// &
+                'warning: it arrives at '//to_text(real(arrival, real32))//' s, after the end '// &
+                'of the run at '//to_text(real(case%run%t_end, real32))//' s'//remedy//new_line('a')
+        end do
+    end subroutine judge_arrivals
 
     !> The acceleration of a whole body [m/s2].
     pure function push_of(load, solid) result(push)

@@ -1,14 +1,16 @@
 ! SPDX-License-Identifier: MIT
 !> Bodies that sleep: unloaded and at rest they are left out of the steps, and nothing else changes
 !> by a bit. A body wakes for good when a load reaches it or a body that is awake comes within
-!> reach.
+!> reach. In a scene without air all bodies sleep until the first of its loads begins.
 module brz_solid_sleep
-    use brz_kinds, only: int64
+    use brz_kinds, only: int64, rk
     use brz_ranks, only: most_of_all
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: put_to_sleep, wake_met, particles_awake
+    public :: put_to_sleep, sleep_until_loaded, wake_met, particles_awake
+
+    real(rk), parameter :: rounding = 1e3_rk*epsilon(1.0_rk) !! strain of bodies without stress
 
 contains
 
@@ -31,6 +33,28 @@ contains
         solid%bodies%asleep = solid%bodies%motion%n == 0 .and. moves == 0
         call wake_met(solid)
     end subroutine put_to_sleep
+
+    !> Put all bodies to sleep, or none, in a scene whose loads alone can move them: they are at
+    !> rest, nothing drives them, and what pushes them is rounding.
+    subroutine sleep_until_loaded(solid)
+        type(solid_t), intent(inout) :: solid
+        integer(int64) :: pushed(1) !! 1: some particle of some process is
+        real(rk) :: least !! acceleration that counts [m/s2]
+        integer :: b
+
+        if (.not. (solid%present .and. allocated(solid%loads%of))) return
+        call put_to_sleep(solid)
+        pushed = 0
+        do b = 1, size(solid%bodies)
+            associate (body => solid%bodies(b))
+                least = real(rounding*solid%materials(body%material)%c_wave**2/body%spacing, rk)
+                if (any(abs(solid%a(:, body%first:body%last)) > least)) pushed = 1
+                if (any(abs(body%rigid%force) > 0)) pushed = 1 ! by contact
+            end associate
+        end do
+        call most_of_all(solid%ranks, pushed)
+        if (particles_awake(solid) > 0 .or. pushed(1) > 0) solid%bodies%asleep = .false.
+    end subroutine sleep_until_loaded
 
     !> Wake the bodies that have links with one that is awake, and those that these have links with.
     subroutine wake_met(solid)

@@ -13,6 +13,7 @@ module brz_check
     use brz_crack_band, only: crack_report
     use brz_early, only: early_t
     use brz_errors, only: error_t, failed
+    use brz_face_load, only: first_arrival
     use brz_gauges, only: gauges_t, set_up_gauges
     use brz_kinds, only: dp, real32, rk
     use brz_material_report, only: material_report
@@ -36,7 +37,7 @@ module brz_check
     character(48), parameter :: of_bars(3) = [character(48) :: &
         'stretched by the body around it alone', 'stiff as it is along, too soft in bending', &
         'stiff as it is along and in bending']
-    integer, parameter :: air_dump_bytes = 30, solid_dump_bytes = 128 !! per cell, particle
+    integer, parameter :: air_dump_bytes = 30, solid_dump_bytes = 140 !! per cell, particle
 
     character(38), parameter :: limiter_notes(0:3) = [character(38) :: '', &
         ', less where it shears (balsara)', ', where it is compressed (compression)', &
@@ -71,6 +72,10 @@ contains
         if (sim%air%present) exact%dt_air = &
             min(dt/time_step_ramp(0, sim%case%air%ramp_steps), sim%case%run%dt_max)
         if (sim%solid%present) exact%dt_solid = solid_time_step(sim%solid)
+        if (sim%solid%present .and. .not. sim%air%present) then
+            if (all(sim%solid%bodies%asleep)) exact%quiet = &
+                min(max(first_arrival(sim%solid%loads), 0.0_dp), sim%case%run%t_end)
+        end if
         call print_cost(sim%case, exact, sim%solid, gpus, sim%early)
         call print_ranks(sim%case, size_of, n)
         call print_regions(sim%case, size_of, sim%solid, n)
@@ -126,7 +131,9 @@ contains
             dt = whole_step(dt, size_of%dt_solid, size_of%cells, size_of%particles)
             substeps = max(1.0_dp, real(ceiling(dt/size_of%dt_solid), dp))
         end if
-        steps = max(1.0_dp, anint((case%run%t_end - early%time)/dt))
+        steps = max(1.0_dp, anint((case%run%t_end - early%time - size_of%quiet)/dt))
+        if (size_of%quiet > 0) write (output_unit, '(a, es10.3, a)') 'wait         ', &
+            size_of%quiet, ' s until the first load: one step, and one for each output'
         write (output_unit, '(a, es10.3, 3a)') 'time step    ', dt, ' s at first, about ', &
             count_text(steps), ' steps at this rate (a blast or a fracture shortens it)'
         if (case%air%present .and. deform) write (output_unit, '(a, es10.3, 5a)') &

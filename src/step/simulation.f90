@@ -21,7 +21,7 @@ module brz_simulation
     use brz_between_steps, only: begin_between
     use brz_solid_home, only: share_out
     use brz_solid_skin, only: find_skin
-    use brz_solid_sleep, only: put_to_sleep
+    use brz_solid_sleep, only: put_to_sleep, sleep_until_loaded
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: start_solid
     use brz_start_1d, only: start_from_1d
@@ -88,5 +88,6 @@ contains
         if (sim%coupling%present) &
             call weigh_loss(sim%case, sim%air, sim%solid, sim%coupling, err)
         if (sim%coupling%present .and. .not. sim%coupling%paper) call put_to_sleep(sim%solid)
+        if (.not. sim%air%present) call sleep_until_loaded(sim%solid)
     end subroutine set_up_simulation
 end module brz_simulation

@@ -6,7 +6,9 @@ module brz_time_step
     use brz_backend_coupling, only: exchange_gas, load_bodies, set_walls
     use brz_backend_step, only: advance_air, advance_solid, let_gas_in, limit_of_air
     use brz_paper_step, only: move_paper_walls, paper_step
+    use brz_clock, only: next_due
     use brz_errors, only: error_t, exit_numerical, failed, raise
+    use brz_face_load, only: first_arrival
     use brz_host_calls, only: enter_part
     use brz_kinds, only: dp, int64
     use brz_simulation, only: simulation_t
@@ -28,8 +30,11 @@ contains
         type(simulation_t), intent(inout) :: sim
         type(error_t), intent(inout) :: err !! exit_numerical where a state is lost
         real(dp) :: dt, mark
+        logical :: waits
 
         call enter_part('time step')
+        call wait_for_load(sim, waits)
+        if (waits) return
         call choose_time_step(sim, dt, err)
         if (failed(err)) return
         mark = wall_seconds()
@@ -63,6 +68,28 @@ contains
         sim%clock%time = sim%clock%time + dt
         sim%clock%cycle = sim%clock%cycle + 1
     end subroutine advance
+
+    !> While the bodies of a scene without air sleep the clock goes to the first load, or to an
+    !> output on the way; then they wake.
+    subroutine wait_for_load(sim, waits)
+        type(simulation_t), intent(inout) :: sim
+        logical, intent(out) :: waits !! the step is done
+        real(dp) :: until
+
+        waits = .false.
+        if (sim%air%present .or. .not. sim%solid%present) return
+        if (particles_awake(sim%solid) > 0) return
+        until = min(first_arrival(sim%solid%loads), sim%case%run%t_end)
+        waits = until > sim%clock%time
+        sim%solid%bodies%asleep = waits
+        if (.not. waits) return
+        until = min(until, next_due(sim%clock))
+        sim%clock%dt = until - sim%clock%time
+        sim%clock%time = until
+        sim%clock%cycle = sim%clock%cycle + 1
+        sim%solid%time = until
+        sim%limiter = 'load'
+    end subroutine wait_for_load
 
     !> Time step: the air's limit, the solid's where there is no air, never past the end.
     subroutine choose_time_step(sim, dt, err)
