@@ -11,7 +11,7 @@ module brz_solid_dump
     use brz_errors, only: error_t
     use brz_hdf5_array, only: h5_write
     use brz_hdf5_file, only: h5_t
-    use brz_kinds, only: int8, int32, int64, real32, rk
+    use brz_kinds, only: int8, int32, int64, real32, real64, rk
     use brz_material, only: n_hist
     use brz_materials, only: history_names
     use brz_meta, only: meta_t
@@ -73,13 +73,13 @@ contains
         rows%body = body(rows%place)
     end subroutine order_by_number
 
-    !> Position and who is who.
+    !> Position, in real64: bodies may lie far from the origin. And who is who.
     subroutine write_points(file, solid, rows, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(in) :: solid
         type(dump_rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
-        real(real32) :: x(3, rows%n)
+        real(real64) :: x(3, rows%n)
         integer(int32) :: id(rows%n), material(rows%n), ply(rows%n)
         integer(int8) :: fixed(rows%n)
         integer :: k
@@ -87,7 +87,7 @@ contains
         !$omp parallel do schedule(static)
         do k = 1, rows%n
             associate (i => rows%place(k))
-                x(:, k) = real(solid%x(:, i), real32)
+                x(:, k) = real(solid%x(:, i), real64)
                 id(k) = solid%id(i)
                 material(k) = solid%bodies(rows%body(k))%material
                 ply(k) = solid%ply(i)
@@ -206,7 +206,8 @@ contains
         type(solid_t), intent(in) :: solid
         type(dump_rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
-        real(real32), allocatable :: field(:), at(:, :)
+        real(real32), allocatable :: field(:)
+        real(real64), allocatable :: at(:, :)
         character(68) :: names(size(solid%cohesive%law))
         integer :: i, k, p, s
 
@@ -217,7 +218,7 @@ contains
                 do s = 1, 2
                     i = glue%place(glue%beside(s, p))
                     field(i) = max(field(i), real(glue%damage(p), real32))
-                    if (s == 1) at(:, p) = real(solid%x_ref(:, i), real32)
+                    if (s == 1) at(:, p) = real(solid%x_ref(:, i), real64)
                 end do
             end do
             do k = 1, size(names)

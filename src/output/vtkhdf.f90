@@ -8,7 +8,7 @@ module brz_vtkhdf
     use brz_hdf5_array, only: h5_write
     use brz_hdf5_attribute, only: h5_put
     use brz_hdf5_file, only: h5_t, h5_close, h5_create, h5_group, h5_packed
-    use brz_kinds, only: int8, int32, real32
+    use brz_kinds, only: int8, int32, real32, real64
     use brz_meta, only: meta_t, write_meta
     implicit none
     private
@@ -18,7 +18,7 @@ module brz_vtkhdf
 
     !> Write one field of the points or cells with its unit.
     interface write_field
-        module procedure write_field_real32, write_field_int32, write_field_int8
+        module procedure write_field_real64, write_field_real32, write_field_int32, write_field_int8
     end interface write_field
 
 contains
@@ -48,10 +48,20 @@ contains
         call h5_close(file, err)
     end subroutine end_dump
 
-    subroutine write_field_real32(file, name, unit, a, err)
+    subroutine write_field_real64(file, name, unit, a, err)
         type(h5_t), intent(in) :: file
         character(*), intent(in) :: name !! with its group, e.g. 'CellData/pressure'
         character(*), intent(in) :: unit
+        real(real64), intent(in), contiguous :: a(..)
+        type(error_t), intent(inout) :: err
+
+        call h5_write(file, root//'/'//name, a, err)
+        call h5_put(file, root//'/'//name, 'units', unit, err)
+    end subroutine write_field_real64
+
+    subroutine write_field_real32(file, name, unit, a, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name, unit
         real(real32), intent(in), contiguous :: a(..)
         type(error_t), intent(inout) :: err
 

@@ -6,7 +6,7 @@ module brz_body_setup
     use brz_body_points, only: lay_shapes, place_points, points_t
     use brz_body_shape, only: axis_of, shape_t
     use brz_body_start, only: held_t, hold_body, judge_held, move_body
-    use brz_body_warnings, only: judge_distance, judge_gauges, judge_plies, &
+    use brz_body_warnings, only: judge_distance, judge_gauges, judge_planes, judge_plies, &
         judge_scatter, judge_spacing
     use brz_bond_check, only: judge_bonds
     use brz_case, only: body_case_t, case_t, label
@@ -211,6 +211,7 @@ contains
                             solid%notes, err)
         end do
         if (allocated(case%gauges)) call judge_gauges(case, points, solid%notes)
+        call judge_planes(case, points, solid%notes)
     end subroutine lay_bodies
 
     !> Ranges of particles of all bodies.

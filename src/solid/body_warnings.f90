@@ -10,13 +10,15 @@ module brz_body_warnings
     use brz_text, only: to_text
     implicit none
     private
-    public :: judge_gauges, judge_plies, judge_scatter, judge_spacing, judge_distance
+    public :: judge_gauges, judge_planes, judge_plies, judge_scatter, judge_spacing
+    public :: judge_distance
 
     real(dp), parameter :: anisotropy = 0.02_dp !! larger differences of the spacings are reported
     real(dp), parameter :: scattered = 0.02_dp !! scatter of distances that is reported
     integer, parameter :: sample = 200 !! particles whose distances are measured
     ! In mixed precision a GPU reads places to 2.4e-10 of themselves: 5e-6 of this many spacings.
     real(dp), parameter :: far = 2e4_dp
+    real(dp), parameter :: off_plane = 10 !! widths of the largest body
 
 contains
 
@@ -41,6 +43,28 @@ contains
             end do
         end do
     end subroutine judge_gauges
+
+    !> Planes of symmetry lie at 0: bodies far off one are in other coordinates.
+    subroutine judge_planes(case, points, notes)
+        type(case_t), intent(in) :: case
+        type(points_t), intent(in) :: points(:)
+        character(:), allocatable, intent(inout) :: notes
+        character, parameter :: axes(3) = ['x', 'y', 'z']
+        real(dp) :: away, width
+        integer :: b, d
+
+        if (case%air%present .or. size(points) == 0) return ! the box of air begins at the plane
+        do d = 1, 3
+            if (.not. case%run%symmetry(d)) cycle
+            away = minval([(points(b)%shape%lo(d), b=1, size(points))])
+            width = maxval([(points(b)%shape%hi - points(b)%shape%lo, b=1, size(points))])
+            if (away <= off_plane*width) cycle
+            notes = notes//'&run: warning: the plane of symmetry normal to '//axes(d)// &
+                ' lies at '//axes(d)//' = 0, and all bodies are '//to_text(real(away, real32))// &
+                ' m or more away from it; move the scene to the plane, or leave symmetry out'// &
+                new_line('a')
+        end do
+    end subroutine judge_planes
 
     !> True for a point within a body; a body from a file of particles has no inside.
     logical function holds(body, points, x)
