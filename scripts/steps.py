@@ -48,8 +48,8 @@ CHANGES += [(r"use brz_(lists|parcels|\w+_steps)\b", r"use brz_gpu_\1")]
 CHANGES += [("type.solid_t.", "type(seen_t)"), ("type.marks_t.", "type(gpu_marks_t)")]
 CHANGES += [("type.parcels_t.", "type(gpu_places_t)"), (r"\brows_t\b", "gpu_rows_t")]
 # what gpu_solid_t has as solid_t has it, for files of the solids
-ON_GPU = "n|wide|step_[dp]|x|x_ref|x_built|v|a|load|work|moved|grip|mass|energy|damage|stress"
-ON_GPU += "|pair|fixed|id|owed"
+ON_GPU = "n|wide|step_[dpt]|x|x_ref|x_built|v|a|load|work|moved|grip|mass|energy|damage|stress"
+ON_GPU += "|face_stress|pair|fixed|id|owed"
 OF_SOLIDS = [(r"\ballocated\(solid%(load|grip|owed)\)", r"gpu%\1%address /= 0")]
 OF_SOLIDS += [(r"\bjoined_of\(solid%links\)", "gpu%links%joined")]
 OF_SOLIDS += [(r"\bhomes_of\(solid, b\)", "homes_of(gpu, solid, b)")]

@@ -5,6 +5,7 @@
 !> for pass 2, its row of `pair`.
 module brz_solid_gradients
     use brz_algebra, only: copy_matrix, inverse3, multiply3, to_matrix
+    use brz_face_stress, only: face_work
     use brz_gradient, only: correction, midstep_gradient, piola, stable_step, total_gradient
     use brz_kinds, only: dp, int64, int8, rk
     use brz_lone_layer, only: close_layer, face_power, lie_in_layer, open_faces, stay_in_layer, &
@@ -73,6 +74,7 @@ contains
                 ledger%plastic = ledger%plastic + solid%search%sums(1, k)
                 ledger%damage = ledger%damage + solid%search%sums(2, k)
                 ledger%clamped = ledger%clamped + solid%search%sums(3, k)
+                ledger%load = ledger%load + solid%search%sums(4, k)
             end associate
         end do
     end subroutine book_work
@@ -225,12 +227,10 @@ contains
                                     real(stable_step(body%cfl, size, shrink*c_wave, shrink*c_bulk, &
                                                      body%alpha, body%beta, h), dp))
         rho = solid%materials(body%material)%density*(1 + solid%mu(i))
-        call to_matrix(solid%stress(:, i), s)
-        if (body%formulation == form_total) then
-            call piola(f, s)
-        else ! it works on the present volume, while the weights of the pairs have the last one
-            s = s*(solid%mass(i)/(rho*solid%volume(i)))
-        end if
+        if (allocated(solid%face_stress) .and. dt > 0) solid%search%sums(4, k) = &
+            solid%search%sums(4, k) + dt*solid%mass(i)/rho*body%face_share &
+            *face_work(solid%face_stress(:, i), l)
+        call working_stress(solid, body, i, rho, f, s)
         if (tilted) b = transpose(b)
         call multiply3(s, b, solid%pair(pair_stress + 1, i))
         if (body%layer > 0) call stay_in_layer(b, solid%pair(pair_stress + 1, i))
@@ -248,6 +248,26 @@ contains
                            sum(sums(:solid%dimension)))
         if (solid%held(held_stiffness, i) > 0) solid%search%drawn(k) = .true.
     end subroutine advance
+
+    !> The stress that acts along the arms of the pairs, less what the load brings by the faces.
+    pure subroutine working_stress(solid, body, i, rho, f, s)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: i
+        real(rk), intent(in) :: rho, f(3, 3) !! [kg/m3], dx/dX of a total-Lagrangian body
+        real(rk), intent(out) :: s(3, 3) !! [Pa]
+
+        if (allocated(solid%face_stress)) then
+            call to_matrix(solid%stress(:, i) - body%face_share*solid%face_stress(:, i), s)
+        else
+            call to_matrix(solid%stress(:, i), s)
+        end if
+        if (body%formulation == form_total) then
+            call piola(f, s)
+        else ! it works on the present volume, while the weights of the pairs have the last one
+            s = s*(solid%mass(i)/(rho*solid%volume(i)))
+        end if
+    end subroutine working_stress
 
     !> Share of the stiffness of the hourglass force along axes that plastic strain leaves.
     pure real(rk) function left_of(solid, body, i) result(share)

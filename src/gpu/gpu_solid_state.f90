@@ -105,6 +105,7 @@ module brz_gpu_solid_state
         integer :: grip = 0 !! + 1..3: force on what holds a particle [N]
         integer :: owed = 0 !! energy that the hold owes [J]
         integer :: load = 0 !! + 1..3: force of the air, or of the loads [N]
+        integer :: face_stress = 0 !! + 1..6: stress of the load on its faces [Pa]
         integer :: before = 0 !! + 1..3: velocity a step of the air before [m/s]
     end type columns_t
 
@@ -136,10 +137,10 @@ module brz_gpu_solid_state
         type(gpu_marks_t) :: part !! who goes where: brz_gpu_home_steps
         type(buffer_t) :: k_axes
         ! parts of these arrays as items have them, under the names of solid_t
-        integer :: wide = 4, step_d = 0, step_p = 1
+        integer :: wide = 4, step_d = 0, step_p = 1, step_t = 1
         type(doubles_t) :: x, x_ref, x_built, work, contact_heat
-        type(reals_t) :: v, v_before, volume, a, load, grip, mass, mu, energy, damage, stress, pair
-        type(reals_t) :: owed
+        type(reals_t) :: v, v_before, volume, a, load, face_stress, grip, mass, mu, energy
+        type(reals_t) :: damage, stress, pair, owed
         type(integers_t) :: id, fixed, moved
         type(gpu_exact_t) :: exact
         type(gpu_common_t) :: common
@@ -309,6 +310,8 @@ contains
         gpu%damage = column_of(gpu, at_damage)
         gpu%stress = column_of(gpu, at_stress + 1)
         if (gpu%column%load > 0) gpu%load = column_of(gpu, gpu%column%load + 1)
+        if (gpu%column%face_stress > 0) &
+            gpu%face_stress = column_of(gpu, gpu%column%face_stress + 1)
         if (gpu%column%before > 0) gpu%v_before = column_of(gpu, gpu%column%before + 1)
         if (gpu%column%owed > 0) gpu%owed = column_of(gpu, gpu%column%owed)
         if (gpu%column%grip > 0) gpu%grip = column_of(gpu, gpu%column%grip + 1)
@@ -340,6 +343,8 @@ contains
         gpu%n_state = fields%columns
         gpu%column%owed = column_of_field(fields, 'owed')
         if (loaded) gpu%column%load = column_of_field(fields, 'load') - 1
+        if (allocated(solid%face_stress)) &
+            gpu%column%face_stress = column_of_field(fields, 'face_stress') - 1
         if (allocated(solid%v_before)) gpu%column%before = column_of_field(fields, 'v_before') - 1
         if (allocated(solid%grip)) gpu%column%grip = column_of_field(fields, 'grip') - 1
     end subroutine number_columns

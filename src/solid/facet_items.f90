@@ -2,6 +2,7 @@
 !> Loads in scenes without air, a particle at a time: pushes on whole bodies, pressures on facets,
 !> what they do to a rigid body.
 module brz_facet_items
+    use brz_face_stress, only: add_face_stress
     use brz_friedlander, only: friedlander_impulse
     use brz_kinds, only: dp, int32, int64, rk
     use brz_solid_state, only: is_gone, is_held
@@ -89,11 +90,13 @@ contains
     !> Add the pressures on the facets of a particle to its load.
     !@item if(n >= worth_threads/4) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine load_carrier(c, wide, step_d, step_p, time, dt, first, id, of, beside, mirror, &
-                                 width, most, side, wave, mean, place, x, fixed, load)
+    pure subroutine load_carrier(c, wide, step_d, step_p, step_t, time, dt, first, id, of, beside, &
+                                 mirror, width, most, side, wave, mean, place, x, fixed, load, &
+                                 face_stress)
         integer, intent(in) :: c !! carriers of facets
         integer, intent(in) :: wide !! rows of x
         integer, intent(in) :: step_d, step_p !! distances of directions and particles in load
+        integer, intent(in) :: step_t !! distance of particles in face_stress
         real(dp), intent(in) :: time, dt !! start of the step, its length [s]
         integer(int32), intent(in) :: first(*), id(*), of(*), beside(4, *), mirror(4, *)
         real(dp), intent(in) :: width(2, *), most(2, *)
@@ -103,7 +106,9 @@ contains
         real(dp), intent(in) :: x(wide, *)
         integer(int32), intent(in) :: fixed(*)
         real(rk), intent(inout) :: load(*) !! [N]
+        real(rk), intent(inout) :: face_stress(*) !! [Pa]
         real(dp) :: area(3), total(3), p
+        real(rk) :: tau(6)
         integer :: d, i, k
 
         i = place(id(first(c)))
@@ -111,6 +116,8 @@ contains
         if (fixed(i) == is_gone) return
         do d = 1, 3
             total(d) = 0
+            tau(d) = 0
+            tau(3 + d) = 0
         end do
         do k = first(c), first(c + 1) - 1
             p = mean(of(k))
@@ -119,10 +126,14 @@ contains
             do d = 1, 3
                 total(d) = total(d) - p*area(d)
             end do
+            call add_face_stress(real(p, rk), real(area, rk), tau)
         end do
         do d = 1, 3
             k = 1 + (i - 1)*step_p + (d - 1)*step_d
             load(k) = load(k) + real(total(d), rk)
+        end do
+        do d = 1, 6
+            face_stress(1 + (i - 1)*step_t + (d - 1)*step_d) = tau(d)
         end do
     end subroutine load_carrier
 

@@ -5,6 +5,7 @@ module brz_formulation
     use brz_case, only: body_case_t, label
     use brz_crack_band, only: crack_width
     use brz_errors, only: error_t, exit_deck, raise
+    use brz_face_stress, only: face_share
     use brz_gradient, only: limiter_balsara, limiter_compression, limiter_none, limiter_slope
     use brz_hourglass_axes, only: lay_axes
     use brz_kernel, only: kernel_shape
@@ -63,6 +64,8 @@ contains
         call settle_artificial(input, body, err)
         call settle_stiffness(input, material, dimension, body)
         call settle_hold(input, int(material%class), body, err)
+        if (body%formulation /= form_uncorrected .and. body%formulation /= form_rigid) &
+            body%face_share = face_share(dimension, body%h/real(input%spacing, rk))
         body%variable = input%variable_h
         body%h_range = real(input%h_range, rk)
         if (body%variable .and. body%formulation == form_total) &

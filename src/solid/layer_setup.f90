@@ -36,6 +36,7 @@ contains
         if (is_bonded(case, b)) return
         body%layer = axis
         body%normal = 0 ! nothing is tilted
+        body%face_share = 0 ! it has no stress across
         call set_elastic(material, body)
         if (body%directional) then
             call lay_layer_axes(body%zeta, material, case%bodies(b)%ply_axis, angles(case, b), &

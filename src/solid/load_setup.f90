@@ -3,6 +3,8 @@
 module brz_load_setup
     use brz_body_shape, only: shape_t
     use brz_case, only: case_t, load_case_t, label
+    use brz_contact, only: law_bonded
+    use brz_edge_shares, only: edge_shares, n_edge, share_of
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_face_load, only: arrival_of, facets_t, find_places, lay_out
     use brz_kinds, only: dp, int32, real32, rk
@@ -35,6 +37,7 @@ contains
         if (.not. allocated(case%loads)) return
         if (size(case%loads) == 0) return
         if (.not. allocated(solid%load)) allocate (solid%load(3, solid%n), source=0.0_rk)
+        if (.not. all(case%loads%on_all)) allocate (solid%face_stress(6, solid%n), source=0.0_rk)
         allocate (solid%loads%of(size(case%loads)), solid%loads%place(solid%n), &
                   facets(size(case%loads)))
         call find_places(solid%loads, solid%id)
@@ -58,8 +61,10 @@ contains
                 else
                     call find_facets(load, shapes(load%body), solid, solid%bodies(load%body), &
                                      facets(k), err)
+                    if (failed(err)) return
+                    call weigh_edges(load, shapes(load%body), solid, solid%bodies(load%body), &
+                                     facets(k))
                 end if
-                if (failed(err)) return
                 facets(k)%load = k
                 if (facets(k)%n == 0) call raise(err, exit_deck, label('load', load%id, &
                     load%place)//'no particle of the body lies on these faces'// &
@@ -236,6 +241,67 @@ contains
             end do
         end subroutine lay_facet
     end subroutine find_facets
+
+    !> Give facets near the edges of faces the shares of the load that their columns bear.
+    subroutine weigh_edges(load, shape, solid, body, facets)
+        type(load_case_t), intent(in) :: load
+        type(shape_t), intent(in) :: shape
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        type(facets_t), intent(inout) :: facets
+        real(dp) :: apart(3), share, shares(n_edge)
+        integer, allocatable :: cell(:, :, :)
+        integer :: a, i, k, low(3), high(3), tangent
+
+        if (.not. has_edges(load, shape, solid, body)) return
+        apart = shape%spacing*body%stretch
+        call fill_lattice(solid, body, apart, cell, low, high)
+        shares = edge_shares(solid%dimension, real(body%h/body%spacing, dp))
+        do k = 1, facets%n
+            i = solid%loads%place(facets%id(k))
+            do tangent = 1, 2
+                a = mod(abs(facets%side(k)) + tangent - 1, 3) + 1
+                if (a > solid%dimension) cycle
+                share = share_of(shares, columns_to_edge(i, a, -1), columns_to_edge(i, a, 1))
+                facets%width(tangent, k) = share*facets%width(tangent, k)
+                facets%most(tangent, k) = share*facets%most(tangent, k)
+            end do
+        end do
+
+    contains
+
+        !> Columns from particle i to the free edge of its layer on one side, itself the first; at
+        !> most one more than those that an edge changes. Beyond a plane of symmetry the layer goes
+        !> on as its image.
+        integer function columns_to_edge(i, a, side) result(columns)
+            integer, intent(in) :: i, a, side !! axis, -1 or 1
+            integer :: at(3), from_plane, there(3)
+
+            at = place_of(solid, i, body%first, apart)
+            from_plane = n_edge + 1
+            if (side < 0 .and. solid%mirror(a)) &
+                from_plane = nint(solid%x_ref(a, i)/apart(a) + 0.5_dp)
+            do columns = 1, n_edge
+                there = at
+                there(a) = at(a) + columns*side
+                if (columns >= from_plane) there(a) = at(a) + columns - 2*from_plane + 1
+                if (number_at(cell, low, high, there) == 0) return
+            end do
+        end function columns_to_edge
+    end subroutine weigh_edges
+
+    !> True for loads on whole faces of a box beyond whose edges no bonded body goes on.
+    pure logical function has_edges(load, shape, solid, body) result(yes)
+        type(load_case_t), intent(in) :: load
+        type(shape_t), intent(in) :: shape
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+
+        yes = load%patch == '' .and. body%face_share > 0 .and. &
+              body%last - body%first + 1 == product(shape%n(:solid%dimension))
+        if (allocated(solid%links%table)) &
+            yes = yes .and. .not. any(solid%links%table(:, load%body)%law == law_bonded)
+    end function has_edges
 
     !> Numbers of the particles of a body on its lattice.
     subroutine fill_lattice(solid, body, spacing, cell, low, high)

@@ -132,6 +132,7 @@ contains
         call see(t, 'joined', s%links%joined, .false., in_tag, tag_joined, derived=.true.)
         call see(t, 'owed', s%owed, held, in_state, next)
         call see(t, 'load', s%load, 3, .false., in_state, next)
+        call see(t, 'face_stress', s%face_stress, 6, .false., in_state, next, derived=.true.)
         call see(t, 'v_before', s%v_before, 3, .false., in_state, next, derived=.true.)
         call see(t, 'grip', s%grip, 3, .false., in_state, next, derived=.true.)
         call see(t, 'pair', s%pair, n_pair, .true., nowhere, 0, derived=.true.)

@@ -153,7 +153,7 @@ contains
             is_sent = field%sorted
         case (for_a_ghost)
             is_sent = field%sorted .and. .not. any(field%name == [character(16) :: 'a', 'energy', &
-                'hist', 'support', 'owed', 'load', 'v_before', 'joined'])
+                'hist', 'support', 'owed', 'load', 'face_stress', 'v_before', 'joined'])
         case (of_motion)
             is_sent = any(field%name == [character(16) :: 'x', 'v', 'volume', 'h'])
         case (of_a_checkpoint)

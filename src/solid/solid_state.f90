@@ -127,6 +127,7 @@ module brz_solid_state
         real(rk) :: lift = 0 !! of its faces over their tilt, see brz_tilted_arm
         real(rk) :: layer_stiffness(9) = 0 !! C11, C22, C33, C12, C23, C13, G12, G23, G13 [Pa]
         real(rk) :: contraction = 0 !! along the normal over the growth of the area
+        real(rk) :: face_share = 0 !! of the stress of loaded faces, see brz_face_stress; 0: none
     end type body_numbers_t
 
     !> What lists keep that are built anew in part, see brz_list_drift.
@@ -244,6 +245,7 @@ module brz_solid_state
         integer :: n = 0 !! particles, with the ghosts of those of other processes
         integer :: wide = 3 !! rows of x and v; on a GPU there are four
         integer :: step_d = 1, step_p = 3 !! distances in `load` of directions, of particles
+        integer :: step_t = 6 !! distance of particles in `face_stress`
         integer :: n_hist = 0 !! history variables kept per particle
         integer :: dimension = 3 !! 3, or 2 (plane strain), or 1
         logical :: mirror(3) = .false. !! symmetry plane through the origin normal to each axis
@@ -267,6 +269,8 @@ module brz_solid_state
         real(rk), allocatable :: a(:, :) !! (3, n) acceleration by internal forces [m/s2]
         real(rk), allocatable :: load(:, :) !! (3, n) force of the air, set by the coupling; only
                                             !! where there is air [N]
+        real(rk), allocatable :: face_stress(:, :) !! (6, n) stress of the load on its faces, see
+                                                   !! brz_face_stress; only with loads [Pa]
         real(rk), allocatable :: v_before(:, :) !! (3, n) velocity at the last step of the air; only
                                                 !! where there is air, on several processes [m/s]
         real(rk), allocatable :: grip(:, :) !! (3, n) force on what holds a particle at the step;
