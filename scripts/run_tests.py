@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Run the parts of the test suite, one make target each, and print the sum in the last line.
+"""Run the parts of the test suite, one make target each; print the slowest tests, then the sum.
 
 usage: run_tests.py PART[+PART...]...
 
@@ -8,7 +8,8 @@ Parts joined by + run in two lanes: the first in one, the others one after anoth
 
 A part that leaves build/log/PART.xml (JUnit) is counted test by test; any other part counts as
 one test. A part that ends badly without a failed test in its XML counts as one failure more. A
-line 'skipped: why' of a part without XML makes it a skipped test.
+line 'skipped: why' of a part without XML makes it a skipped test. The ten slowest tests of all XML
+are listed with their wall seconds; the last line is the sum.
 """
 
 import os
@@ -21,6 +22,7 @@ from pathlib import Path
 
 LOG = Path("build/log")
 TAIL = 60
+SLOWEST = 10
 
 
 def count_xml(path):
@@ -67,12 +69,33 @@ def run_group(group):
         return [main_lane.result(), *beside.result()]
 
 
+def slowest(parts):
+    """The slowest tests of the JUnit files of parts: rows (seconds, part, suite, name)."""
+    rows = []
+    for part in parts:
+        try:
+            cases = list(xml.parse(LOG / f"{part}.xml").iter("testcase"))
+        except (OSError, xml.ParseError):
+            continue
+        rows += [
+            (float(case.get("time")), part, case.get("classname", "-"), case.get("name", "-"))
+            for case in cases
+            if case.get("time")
+        ]
+    return sorted(rows, reverse=True)[:SLOWEST]
+
+
 def main():
     LOG.mkdir(parents=True, exist_ok=True)
     for name in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL"):
         os.environ.pop(name, None)
-    counts = [count for group in sys.argv[1:] for count in run_group(group)]
+    groups = sys.argv[1:]
+    counts = [count for group in groups for count in run_group(group)]
     passed, failed, skipped = (sum(column) for column in zip(*counts, strict=True))
+    if rows := slowest(part for group in groups for part in group.split("+")):
+        print("\nslowest tests, wall seconds:")
+    for seconds, part, suite, name in rows:
+        print(f"{seconds:8.1f} s  {part:<12} {suite}  {name}")
     print(f"\n{passed} passed, {failed} failed" + (f", {skipped} skipped" if skipped else ""))
     sys.exit(failed > 0)
 

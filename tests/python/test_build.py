@@ -138,6 +138,27 @@ def test_parts_are_counted(tmp_path, parts, last, code):
     done = run(ROOT / "scripts/run_tests.py", *parts, cwd=tmp_path)
     assert done.stdout.splitlines()[-1] == last
     assert done.returncode == code
+    assert "slowest" not in done.stdout  # (these tests tell no seconds)
+
+
+def test_the_slowest_tests_of_all_parts_are_listed(tmp_path):
+    """Ten of them, the slowest first, before the last line; a part without XML has none."""
+    case = "<testcase classname='{}_suite' name='n{}' time='{}'/>"
+    for part, times in (("one", range(20, 28)), ("two", (0.5, 300.5, 23.5, 1.0, 2.0))):
+        cases = "".join(case.format(part, k, time) for k, time in enumerate(times))
+        (tmp_path / f"{part}.xml").write_text(f"<t>{cases}<testcase/></t>")
+    copies = [f"{part}:\n\t@cp {part}.xml build/log/\n" for part in ("one", "two")]
+    (tmp_path / "Makefile").write_text("".join(copies) + "plain:\n\t@true\n")
+    done = run(ROOT / "scripts/run_tests.py", "one+two", "plain", cwd=tmp_path)
+    lines = done.stdout.splitlines()
+    rows = [line.split() for line in lines[lines.index("slowest tests, wall seconds:") + 1 : -2]]
+    assert rows[:2] == [
+        ["300.5", "s", "two", "two_suite", "n1"],
+        ["27.0", "s", "one", "one_suite", "n7"],
+    ]
+    seconds = [float(row[0]) for row in rows]
+    assert seconds == [300.5, 27.0, 26.0, 25.0, 24.0, 23.5, 23.0, 22.0, 21.0, 20.0]
+    assert lines[-1] == "16 passed, 0 failed"
 
 
 def fake(folder, name, text):

@@ -68,6 +68,7 @@ def test_every_failure_is_seen(kit):
     assert "Error in: bad_suite.crashes\ncrash: killed by signal 11" in done.stdout
     assert "Error in: bad_suite.stops\nthe test stopped the program with exit code 0" in done.stdout
     cases = {case.get("name"): case for case in xml.parse(kit / "bad.xml").iter("testcase")}
+    assert all(float(case.get("time")) >= 0 for case in cases.values())
     good = [name for name, case in cases.items() if case.find("failure") is None]
     assert [name for name in good if cases[name].find("error") is None] == ["passes_after_all_that"]
 
