@@ -206,8 +206,10 @@ dist: ## the release archive of the last commit: sources, and the GPU code of bo
 	@git diff --quiet HEAD || { echo 'make dist: commit first, the archive holds the last commit' >&2; exit 1; }
 	@$(MAKE) --no-print-directory gpu && $(MAKE) --no-print-directory PRECISION=mixed gpu
 	@scripts/dist.sh $(VERSION) $(STAMP) bin/brisance.ptx bin/brisance-mixed.ptx
-golden: all ## write the golden curves of tests/golden anew from inputs/material
-	@$(PY) tests/python/golden.py
+$(if $(KIND),$(if $(filter golden,$(MAKECMDGOALS)),$(error make golden: the curves are those of the native build, not of \
+    $(notdir $(BIN)): leave out DEBUG, QUICK, COVERAGE, PORTABLE and PRECISION)))
+golden: all ## write the golden curves of tests/golden anew from inputs/material (CASE=name: that one)
+	@$(PY) tests/python/golden.py $(CASE)
 python: all emulator ## tests of the Python tools and of the whole program (ARGS="-k name": those alone)
 	@mkdir -p build/log; $(if $(ARGS),,rm -f $(PYTHON_NOTES))
 	@BRZ_NOTES=$(abspath $(PYTHON_NOTES)) $(if $(ARGS),,OMP_NUM_THREADS=1) $(PY) -m pytest --junitxml=build/log/python.xml \

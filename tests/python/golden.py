@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Golden curves: one small table per deck of inputs/material, kept in tests/golden.
 
-usage: make golden      writes them anew; look at what changed before you commit it
+usage: make golden               writes them anew; look at what changed before you commit it
+       make golden CASE=name     writes that one
+
+The curves are those of the native build in double precision: others differ by rounding in most.
 """
 
 import subprocess
@@ -55,20 +58,38 @@ def scale_of(name):
     return {"Pa": 1e7, "J/kg": 1.0}.get(name.partition("[")[2].rstrip("]"), 1e-6)
 
 
-def main():
+def is_native(version):
+    """True if --version tells of the native build in double precision."""
+    words = version.split()
+    return "-O3" in words and "-march=native" in words and "working precision: double" in version
+
+
+def write(name):
+    """Write the curve of a deck anew."""
+    file = GOLDEN / f"{name}.csv"
+    columns, rows = drive(name, file)
+    with file.open("w") as out:
+        out.write(",".join(columns) + "\n")
+        for row in rows:
+            out.write(",".join(f"{x:.9g}" for x in row) + "\n")
+    print(f"{file}: {len(rows)} rows, {file.stat().st_size} bytes", flush=True)
+
+
+def main(chosen):
+    """Write the curves of the decks in `chosen`, of all without any; returns what is wrong."""
+    version = subprocess.run([BRISANCE, "--version"], capture_output=True, text=True, check=True)
+    if not is_native(version.stdout):
+        return f"make golden: {BRISANCE} is not the native build in double precision: run `make`"
+    unknown = ", ".join(sorted(set(chosen) - set(names())))
+    if unknown:
+        return f"make golden: there is no {unknown}; CASE is one of {', '.join(names())}"
     GOLDEN.mkdir(exist_ok=True)
-    for old in GOLDEN.glob("*.csv"):
+    for name in chosen or names():
+        write(name)
+    for old in set(GOLDEN.glob("*.csv")) - {GOLDEN / f"{name}.csv" for name in names()}:
         old.unlink()
-    for name in names():
-        file = GOLDEN / f"{name}.csv"
-        columns, rows = drive(name, file)
-        with file.open("w") as out:
-            out.write(",".join(columns) + "\n")
-            for row in rows:
-                out.write(",".join(f"{x:.9g}" for x in row) + "\n")
-        print(f"{file.relative_to(ROOT)}: {len(rows)} rows, {file.stat().st_size} bytes")
-    sys.stdout.flush()
+    return None
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main(sys.argv[1:]))
