@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "tests/pfstub/README.md"]
 # what make, a run or a user makes; the same words begin paths in examples
 MADE = ("bin/", "build/", "out/", "gpu/")
 FOLDERS = {path.name for path in ROOT.iterdir() if path.is_dir()}
@@ -29,12 +29,24 @@ def paths_in(text):
             yield path
 
 
+def sources_in(text):
+    """Names of sources without their folder, as `edge_shares.f90` behind another of it."""
+    names = re.findall(r"(?<![\w./*<{},-])([\w*{},-]+\.(?:f90|F90|CUF|pf|py|sh))\b", text)
+    return {re.sub("^gpu_(?=.*_steps)", "", name) for name in names}  # (made by scripts/steps.py)
+
+
 def is_there(path):
     """True for a file or folder; `*` stands for anything, `{a,b}` for each of its words."""
     braces = re.search(r"\{([^}]*)\}", path)
     if braces:
         return all(is_there(path.replace(braces[0], word)) for word in braces[1].split(","))
-    return bool(list(ROOT.glob(path)))
+    return any(True for _ in ROOT.glob(path))
+
+
+def is_a_source(name):
+    """True for the name of a file in any folder of sources."""
+    folders = ("src", "cuda", "post", "scripts", "tests", "comparisons")
+    return any(is_there(f"{folder}/**/{name}") for folder in folders)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=[page.name for page in PAGES])
@@ -42,6 +54,7 @@ def test_files_that_a_page_names_are_there(page):
     """Paths from the root of the project, and links from the page."""
     text = page.read_text()
     missing = {path for path in paths_in(text) if not is_there(path)}
+    missing |= {name for name in sources_in(text) if not is_a_source(name)}
     for link in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text):
         if not (page.parent / link).exists():
             missing.add(link)
@@ -105,5 +118,10 @@ def test_what_is_not_there_is_seen(tmp_path, known_names):
     assert not is_there("src/no_such_file.f90")
     assert not is_there("src/{air,no_such_folder}")
     assert is_there("src/air/*.f90")
+    assert sources_in("(`src/air/no.f90`, `test_no.py`)") == {"test_no.py"}
+    assert not is_a_source("test_no.py")
+    assert is_a_source("edge_shares.f90")
+    assert is_a_source("test_{docs,loads}.py")
+    assert not is_a_source("test_{docs,no}.py")
     assert "lint" in TARGETS
     assert "docs" not in TARGETS
