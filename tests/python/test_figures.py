@@ -6,7 +6,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from notes import note
 
 ROOT = Path(__file__).parents[2]
 PAGE = """# A page
@@ -100,3 +102,18 @@ def test_one_false_figure_in_the_manual_is_found(tmp_path, name):
     code, text = figures(tmp_path, wrong, notes)
     assert code != 0
     assert f"{key} is {false} in the table" in text
+
+
+def test_what_a_table_cannot_name_is_no_note(tmp_path, monkeypatch):
+    """A key with a blank, several numbers under one key: with and without a file of notes."""
+    with pytest.raises(AssertionError, match="'face 1' cannot be named in a table"):
+        note("face 1", 1.0)
+    monkeypatch.delenv("BRZ_NOTES", raising=False)
+    with pytest.raises(TypeError):
+        note("face_1", np.ones(3))
+    monkeypatch.setenv("BRZ_NOTES", str(tmp_path / "notes.csv"))
+    with pytest.raises(TypeError):
+        note("face_1", np.ones(3))
+    assert not (tmp_path / "notes.csv").exists()
+    note("face_1", 0.5)
+    assert (tmp_path / "notes.csv").read_text() == "face_1,5.0000000000000000e-01\n"

@@ -35,6 +35,7 @@ def test_the_stress_at_a_loaded_face_meets_the_pressure(tmp_path, dimension, for
         layer = np.floor(x / 1e-3).astype(int)
         stress.append([s[layer == k].mean() for k in range(layers)])
     pressed = -np.mean(stress, axis=0) / 1e6
-    note(f"face {dimension} {form}", pressed[:3])
+    for layer, value in enumerate(pressed[:3], 1):
+        note(f"loaded_face_{dimension}_{form}_{layer}", value)
     assert pressed[0] == pytest.approx(1, abs=0.03)
     assert pressed[1:] == pytest.approx(np.ones(layers - 1), abs=0.055)
