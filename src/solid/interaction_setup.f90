@@ -169,7 +169,7 @@ contains
         m%part = 1
         m%viscous = 1
         if (m%rigid .or. q%formulation == form_rigid) return
-        m%viscous = real(min([t%density/s%density, s%density/t%density], 1.0_dp), rk)
+        m%viscous = min([t%density/s%density, s%density/t%density], 1.0_rk)
         excess = contrast(s, t)/most_contrast
         if (.not. excess > 1) return
         if (p%thin .or. q%thin) then ! a single layer has no gradient across without its partner

@@ -66,7 +66,7 @@ contains
                 end associate
             end do
         end if
-        if (.not. case%air%present) return
+        if (.not. (case%air%present .and. allocated(case%charges))) return
         do k = 1, size(case%charges)
             peak = max(peak, reflected(case%charges(k)%mass, case%charges(k)%at, .false.))
         end do
