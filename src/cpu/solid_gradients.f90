@@ -227,10 +227,9 @@ contains
                                     real(stable_step(body%cfl, size, shrink*c_wave, shrink*c_bulk, &
                                                      body%alpha, body%beta, h), dp))
         rho = solid%materials(body%material)%density*(1 + solid%mu(i))
-        if (allocated(solid%face_stress) .and. dt > 0) solid%search%sums(4, k) = &
-            solid%search%sums(4, k) + dt*solid%mass(i)/rho*body%face_share &
-            *face_work(solid%face_stress(:, i), l)
-        call working_stress(solid, body, i, rho, f, s)
+        if (allocated(solid%face_stress)) solid%search%sums(4, k) = solid%search%sums(4, k) &
+            + dt*body%face_share*face_work(solid%face_stress(:, i), h)*solid%mass(i)/rho
+        call working_stress(solid, body, i, dt > 0, rho, f, s)
         if (tilted) b = transpose(b)
         call multiply3(s, b, solid%pair(pair_stress + 1, i))
         if (body%layer > 0) call stay_in_layer(b, solid%pair(pair_stress + 1, i))
@@ -250,14 +249,15 @@ contains
     end subroutine advance
 
     !> The stress that acts along the arms of the pairs, less what the load brings by the faces.
-    pure subroutine working_stress(solid, body, i, rho, f, s)
+    pure subroutine working_stress(solid, body, i, loaded, rho, f, s)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
+        logical, intent(in) :: loaded !! after a step; before the first one no load has acted
         real(rk), intent(in) :: rho, f(3, 3) !! [kg/m3], dx/dX of a total-Lagrangian body
         real(rk), intent(out) :: s(3, 3) !! [Pa]
 
-        if (allocated(solid%face_stress)) then
+        if (loaded .and. allocated(solid%face_stress)) then
             call to_matrix(solid%stress(:, i) - body%face_share*solid%face_stress(:, i), s)
         else
             call to_matrix(solid%stress(:, i), s)

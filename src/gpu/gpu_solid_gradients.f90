@@ -57,7 +57,7 @@ contains
                 call update_material(gpu, gpu%bodies(b), real(dt, rk), err)
                 call free_faces(gpu, gpu%bodies(b), real(dt/2, rk), err)
             end if
-            call fill_rows(gpu, gpu%bodies(b), err)
+            call fill_rows(gpu, gpu%bodies(b), real(dt, rk), err)
         end do
         call side_by_side(0)
         if (.not. dt > 0) &
@@ -181,13 +181,14 @@ contains
             body%material, gpu%grad, gpu%state, gpu%tag, gpu%book, gpu%flags, err)
     end subroutine update_material
 
-    subroutine fill_rows(gpu, body, err)
+    subroutine fill_rows(gpu, body, dt, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(gpu_solid_body_t), intent(in) :: body
+        real(rk), intent(in) :: dt !! step just made, 0: none [s]
         type(error_t), intent(inout) :: err
 
-        call solid_kernels%solid_rows(threads_of(body), gpu%step_d, body%params, body%material, &
-            gpu%place, gpu%grad, gpu%state, gpu%tag, gpu%motion, gpu%row, gpu%rate, gpu%axes, &
-            gpu%k_axes, gpu%held, gpu%flags, err)
+        call solid_kernels%solid_rows(threads_of(body), gpu%step_d, dt, body%params, &
+            body%material, gpu%place, gpu%grad, gpu%state, gpu%tag, gpu%motion, gpu%row, gpu%rate, &
+            gpu%axes, gpu%k_axes, gpu%held, gpu%book, gpu%flags, err)
     end subroutine fill_rows
 end module brz_gpu_solid_gradients
