@@ -70,7 +70,8 @@ contains
                 key_t(group=g, key='cuts', kind=kind_text, n_max=8, &
                       meaning='Ids of bodies that make room for this one where they overlap.'), &
                 key_t(group=g, key='spacing', unit='m', default=required, lower=zero, &
-                      open_lower=.true., meaning='Distance of the particles.'), &
+                      open_lower=.true., likely=[1e-8_dp, one], &
+                      meaning='Distance of the particles.'), &
                 key_t(group=g, key='lattice', kind=kind_text, default='cubic', &
                       choices='cubic|layered', &
                       meaning='layered: a cylinder with a hole is laid in rings round its '// &
@@ -123,9 +124,10 @@ contains
                 key_t(group=g, key='roller_axis', kind=kind_text, n_max=8, choices='x|y|z', &
                       meaning='That axis, for each roller_box.'), &
                 key_t(group=g, key='velocity', n_min=3, n_max=3, unit='m/s', &
-                      default='0.0, 0.0, 0.0', meaning='Initial velocity.'), &
+                      default='0.0, 0.0, 0.0', likely=[zero, 2e4_dp], &
+                      meaning='Initial velocity.'), &
                 key_t(group=g, key='spin', n_min=3, n_max=3, unit='rad/s', &
-                      default='0.0, 0.0, 0.0', &
+                      default='0.0, 0.0, 0.0', likely=[zero, 1e5_dp], &
                       meaning='Initial angular velocity, about spin_centre.'), &
                 key_t(group=g, key='spin_centre', n_min=3, n_max=3, unit='m', &
                       meaning='Point that the spin turns about; if absent the centre of mass.'), &
@@ -140,6 +142,7 @@ contains
                       meaning='Times of a prescribed velocity, of a rigid body or of the '// &
                       'particles that are held.'), &
                 key_t(group=g, key='motion_velocity', n_min=3, n_max=192, unit='m/s', &
+                      likely=[zero, 2e4_dp], &
                       meaning='Velocity at these times, three numbers each, straight lines '// &
                       'between them.')]
     end subroutine state_keys
@@ -231,17 +234,20 @@ contains
                       meaning='contact: share pressure and viscosity across the contact, for '// &
                       'impacts beyond 1 km/s.'), &
                 key_t(group=g, key='tensile_strength', unit='Pa', lower=zero, &
-                      open_lower=.true., &
+                      open_lower=.true., likely=[1e3_dp, 1e11_dp], &
                       meaning='bonded: tension that breaks the bond; it never breaks if '// &
                       'absent. cohesive: traction at which opening begins; required.'), &
                 key_t(group=g, key='shear_strength', unit='Pa', lower=zero, open_lower=.true., &
+                      likely=[1e3_dp, 1e11_dp], &
                       meaning='The same in shear.'), &
                 key_t(group=g, key='bond_law', kind=kind_text, default='quadratic', &
                       choices='quadratic|cut_off', &
                       meaning='bonded: both strengths act together, or each for itself.'), &
                 key_t(group=g, key='gi', unit='J/m2', lower=zero, open_lower=.true., &
+                      likely=[1e-2_dp, 1e7_dp], &
                       meaning='cohesive: energy per area of opening (mode I); required.'), &
                 key_t(group=g, key='gii', unit='J/m2', lower=zero, open_lower=.true., &
+                      likely=[1e-2_dp, 1e7_dp], &
                       meaning='cohesive: energy per area of sliding (mode II, III); required.'), &
                 key_t(group=g, key='mixed', kind=kind_text, default='bk', choices='bk|power', &
                       meaning='cohesive: energy between the modes, by Benzeggagh and Kenane, '// &

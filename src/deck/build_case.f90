@@ -9,9 +9,10 @@ module brz_build_case
     use brz_check_interactions, only: check_interactions
     use brz_check_loads, only: check_loads
     use brz_check_motions, only: check_motions
-    use brz_check_materials, only: check_materials
+    use brz_check_plausible, only: check_plausible
     use brz_check_directions, only: check_directions
     use brz_check_gauges, only: check_gauges
+    use brz_check_idle, only: check_idle
     use brz_complete, only: ensure_group, parse_defaults
     use brz_deck, only: add_error, add_warning, deck_t, entry_t, find_entry, find_group, &
          group_label, &
@@ -62,8 +63,9 @@ contains
         call check_loads(deck, case)
         call check_motions(deck, case)
         call check_gauges(deck, case)
-        call check_materials(deck, keys)
+        call check_plausible(deck, keys)
         call check_use(deck, case)
+        call check_idle(deck, case)
         call take_warnings(deck, case%warnings)
         call report_errors(deck, err)
         if (failed(err)) return

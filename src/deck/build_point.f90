@@ -4,7 +4,7 @@ module brz_build_point
     use brz_build_case, only: fill_material, take_warnings
     use brz_case, only: point_case_t, segment_case_t
     use brz_check_bodies, only: reference_hint
-    use brz_check_materials, only: check_materials
+    use brz_check_plausible, only: check_plausible
     use brz_deck, only: add_error, complain, deck_t, find_group, may_be_misspelt, report_errors
     use brz_errors, only: error_t, failed
     use brz_fill_case, only: name_job
@@ -37,7 +37,7 @@ contains
             k = k + 1
             call fill_segment(deck, g, point%steps, point%segments(k))
         end do
-        call check_materials(deck, keys)
+        call check_plausible(deck, keys)
         call take_warnings(deck, point%warnings)
         call report_errors(deck, err)
     end subroutine build_point

@@ -194,6 +194,7 @@ contains
                               ' lies outside the air, '//air_text(case))
             else if (case%charges(k)%start == '3d') then
                 call check_charge_size(deck, g, case, case%charges(k))
+                call check_overlap(deck, g, case, k)
             end if
         end do
         if (case%air%present .and. k > 0) call check_closed(deck, case)
@@ -232,6 +233,39 @@ contains
                              'it reaches beyond the air along '//axes(i:i)//'; that part is lost')
         end do
     end subroutine check_charge_size
+
+    !> Charges that overlap: a cell holds the gas of one of them, and the rest is gone.
+    subroutine check_overlap(deck, g, case, k)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        integer, intent(in) :: k !! the charge of group g, compared with those before it
+        real(dp), parameter :: slack = 1e-6_dp !! relative
+        real(dp) :: half(3), other(3), apart(3), dx(3)
+        logical :: active(3), overlap
+        integer :: j
+
+        active = case%air%cells > 1
+        dx = (case%air%hi - case%air%lo)/case%air%cells
+        call charge_half_sides(case%charges(k), active, product(dx, mask=.not. active), half)
+        do j = 1, k - 1
+            call charge_half_sides(case%charges(j), active, product(dx, mask=.not. active), other)
+            apart = merge(abs(case%charges(k)%at - case%charges(j)%at), 0.0_dp, active)
+            overlap = all(apart < (half + other)*(1 - slack) .or. .not. active)
+            if (all(case%charges([j, k])%shape == 'sphere')) &
+                overlap = norm2(apart) < minval(half + other, mask=active)*(1 - slack)
+            if (.not. overlap) cycle
+            if (any(case%charges([j, k])%shape == 'cylinder')) then ! corners may be apart
+                call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                                 "the boxes around it and '"//trim(case%charges(j)%id)// &
+                                 "' overlap: what lies in both counts once")
+            else
+                call complain(deck, g, 'at', "it overlaps the charge '"// &
+                              trim(case%charges(j)%id)//"', and what lies in both would count "// &
+                              'once: move one of them, or give one charge the mass of both')
+            end if
+        end do
+    end subroutine check_overlap
 
     !> Half the extent of a charge along x, y, z [m]; a prism in two dimensions, a slab in one.
     pure subroutine charge_half_sides(charge, active, depth, half)

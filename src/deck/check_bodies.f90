@@ -57,6 +57,7 @@ contains
             end if
             call check_size(deck, g, case%run%dimension, case%bodies(k))
             call check_plies(deck, g, case, case%bodies(k))
+            call check_round(deck, g, case%run%dimension, case%bodies(k))
             if (.not. deck%groups(g)%bad) call cut_body(deck, g, case, case%bodies(k))
             if (.not. deck%groups(g)%bad) call check_in_air(deck, g, case, case%bodies(k))
             if (.not. deck%groups(g)%bad) call check_bars(deck, g, case%run%dimension, &
@@ -201,6 +202,21 @@ contains
                           ' particles are more than '//to_text(huge(1))//'; use a larger spacing')
         end if
     end subroutine check_size
+
+    !> A sphere is no sphere where the scene lacks a direction.
+    subroutine check_round(deck, g, dimension, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g, dimension
+        type(body_case_t), intent(in) :: body
+        character(32), parameter :: are(2) = [character(32) :: 'a slab of 1 m2 across x', &
+                                              'a round bar of 1 m along z']
+
+        if (body%shape /= 'sphere' .or. dimension > 2) return
+        call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                         'with dimension='//to_text(dimension)//' a sphere is '// &
+                         trim(are(dimension))//'; a ball needs dimension=3, as a quarter with '// &
+                         'symmetry')
+    end subroutine check_round
 
     !> Planes of symmetry: a box is cut, and nothing may lie wholly behind one.
     subroutine cut_body(deck, g, case, body)

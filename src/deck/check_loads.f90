@@ -4,7 +4,7 @@ module brz_check_loads
     use brz_case, only: case_t, load_case_t, name_len
     use brz_check_bodies, only: miss_body
     use brz_csv_table, only: read_columns
-    use brz_deck, only: complain, deck_t, place
+    use brz_deck, only: add_warning, complain, deck_t, group_label, place
     use brz_errors, only: error_t, failed
     use brz_get, only: get, get_list, get_path, is_given, is_usable, need_file
     use brz_key, only: key_t, kind_text, required
@@ -84,6 +84,7 @@ contains
             call check_keys(deck, g, case%loads(k))
             call check_planes(deck, g, case, case%loads(k))
             call check_faces(deck, g, case, case%loads(k))
+            call check_sight(deck, g, case, case%loads(k))
             if (case%air%present) call complain(deck, g, 'body', &
                 'is for scenes without air, and this one has &air; take one of them out')
         end do
@@ -247,6 +248,35 @@ contains
                           "lattice='layered'; name faces along the axes")
         end if
     end subroutine check_faces
+
+    !> The blast of a charge loads faces that are turned away from it by the incident wave: most
+    !> likely the others are meant. In two dimensions it lies in the plane of the scene.
+    subroutine check_sight(deck, g, case, load)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(load_case_t), intent(in) :: load
+        logical :: seen
+        integer :: a, d
+
+        if (deck%groups(g)%bad .or. load%body == 0 .or. .not. load%mass > 0) return
+        d = case%run%dimension
+        associate (body => case%bodies(load%body), at => load%at)
+            if (body%shape /= 'box') return
+            seen = .false.
+            do a = 1, 3
+                seen = seen .or. (load%faces(2*a - 1) .and. at(a) <= body%lo(a)) .or. &
+                       (load%faces(2*a) .and. at(a) >= body%hi(a))
+            end do
+            if (.not. seen) call add_warning(deck, deck%groups(g)%line, &
+                group_label(deck%groups(g))//'none of these faces sees the charge: they feel '// &
+                'the incident wave, which pushes the body towards it; name those on its side')
+            if (any(at(d + 1:) < body%lo(d + 1:) .or. at(d + 1:) > body%hi(d + 1:))) &
+                call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                    'the scene has no direction '//'xyz' (d + 1:)//': the charge lies in it, '// &
+                    'as near as its other coordinates say')
+        end associate
+    end subroutine check_sight
 
     !> A direction that is not modelled takes no acceleration and no force, nor does that across a
     !> plane of symmetry on which the body lies.

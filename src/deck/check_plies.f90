@@ -24,11 +24,16 @@ contains
         type(case_t), intent(in) :: case
         type(body_case_t), intent(in) :: body
         real(dp) :: lo(3), hi(3), layers
-        integer :: a, i
+        integer :: a, d, i
 
         if (deck%groups(g)%bad .or. body%n_plies == 0) return
         call body_box(body, lo, hi)
         a = index(axes, body%ply_axis)
+        d = case%run%dimension
+        i = minloc(hi(:d) - lo(:d), 1)
+        if (is_across_longest(hi - lo, a, d)) call warn('its plies lie across '//body%ply_axis// &
+            ', its longest side: the laminate of a plate lies across its thickness, '// &
+            "ply_axis='"//axes(i:i)//"'")
         layers = 1
         if (a <= case%run%dimension) layers = (hi(a) - lo(a))/(body%spacing*body%aspect(a))
         if (layers < body%n_plies*(1 - 1e-6_dp)) &
@@ -53,6 +58,20 @@ contains
             call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))//text)
         end subroutine warn
     end subroutine check_plies
+
+    !> Are the plies of a thin body stacked along its longest side?
+    pure logical function is_across_longest(side, a, dimension)
+        real(dp), intent(in) :: side(3)
+        integer, intent(in) :: a !! normal of the plies
+        integer, intent(in) :: dimension
+        real(dp), parameter :: thin = 3 !! least ratio of sides
+        real(dp), parameter :: equal = 0.999_dp
+
+        is_across_longest = .false.
+        if (a > dimension) return
+        is_across_longest = side(a) >= equal*maxval(side(:dimension)) .and. &
+                            side(a) > thin*minval(side(:dimension))
+    end function is_across_longest
 
     !> Are plies their own images in a plane normal to axis i? Across them their order turns round;
     !> in their plane fibres at 0 and 90 degrees are even, those of a fabric at 45 too.

@@ -98,9 +98,11 @@ contains
                       meaning='Boundaries: one word for all, or six: x low, x high, y low, y '// &
                       'high, z low, z high. A plane of symmetry of &run sets its low face.'), &
                 key_t(group=g, key='density', unit='kg/m3', default='1.225', lower=zero, &
-                      open_lower=.true., meaning='Density of the undisturbed air.'), &
+                      open_lower=.true., likely=[0.01_dp, 100*one], &
+                      meaning='Density of the undisturbed air.'), &
                 key_t(group=g, key='pressure', unit='Pa', default='101325.0', lower=zero, &
-                      open_lower=.true., meaning='Pressure of the undisturbed air.'), &
+                      open_lower=.true., likely=[1e3_dp, 1e8_dp], &
+                      meaning='Pressure of the undisturbed air.'), &
                 key_t(group=g, key='gamma', default='1.4', lower=one, open_lower=.true., &
                       upper=5*one, meaning='Ratio of the specific heats.'), &
                 key_t(group=g, key='cfl', default='0.5', lower=zero, open_lower=.true., &
@@ -199,10 +201,13 @@ contains
                 key_t(group=g, key='at', n_min=3, n_max=3, unit='m', default=required, &
                       meaning='Centre.'), &
                 key_t(group=g, key='density', unit='kg/m3', lower=zero, open_lower=.true., &
+                      likely=[100*one, 3000*one], &
                       meaning='Density of the explosive, if not that of the table.'), &
                 key_t(group=g, key='energy', unit='J/kg', lower=zero, open_lower=.true., &
+                      likely=[1e5_dp, 2e7_dp], &
                       meaning='Energy set free by detonation, if not that of the table.'), &
                 key_t(group=g, key='velocity', unit='m/s', lower=zero, open_lower=.true., &
+                      likely=[500*one, 12000*one], &
                       meaning='Velocity of the detonation, if not that of the table.'), &
                 key_t(group=g, key='radial_cells', kind=kind_integer, default='240', &
                       lower=40*one, upper=4000*one, &

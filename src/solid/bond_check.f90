@@ -22,9 +22,23 @@ contains
         integer :: a, b, k, nearest(2)
 
         if (.not. (solid%links%present .and. allocated(case%interactions))) return
-        if (.not. any(case%interactions%law == 'bonded')) return
+        if (.not. (any(case%interactions%law == 'bonded') .or. any([(case%bodies(b)%cuts /= '', &
+                                                            b=1, size(case%bodies))]))) return
         do b = 1, size(solid%bodies)
             call extent(solid%x_ref, solid%fixed, solid%bodies(b), box(:, 1, b), box(:, 2, b))
+        end do
+        do b = 1, size(case%bodies)
+            do k = 1, size(case%bodies(b)%cuts)
+                a = findloc(case%bodies%id, case%bodies(b)%cuts(k), 1)
+                if (case%bodies(b)%cuts(k) == '' .or. a == 0) cycle
+                reach = 2*real(solid%links%table(a, b)%h, dp)
+                if (distance(box(:, :, a), box(:, :, b)) < reach) cycle
+                solid%notes = solid%notes//label('body', case%bodies(b)%id, &
+                    case%bodies(b)%place)//"warning: it cuts nothing: it is "// &
+                    to_text(real(distance(box(:, :, a), box(:, :, b)), real32))// &
+                    " m from '"//trim(case%bodies(a)%id)//"', out of reach of a bond; look at "// &
+                    'its place'//new_line('a')
+            end do
         end do
         rules: do k = 1, size(case%interactions)
             if (case%interactions(k)%law /= 'bonded') cycle rules

@@ -99,7 +99,7 @@ IN_BODIES = {  # of the charge in per cent, at least and at most, and the body
     ),
     "second": (
         SCENE
-        + "&charge id='a', mass=0.1, at=0,0,0.05, density=800 /\n"
+        + "&charge id='a', mass=0.1, at=0.05,0,0.05, density=800 /\n"
         + BALL
         + "&body id='b', box=-.08,.08,-.08,.08,-.06,0,",
         40,

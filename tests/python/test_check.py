@@ -124,13 +124,16 @@ def test_traps_are_told(case, tmp_path):
     assert re.search(r"^verdict +[1-9] warning", out, re.MULTILINE), out
 
 
+WEIGHT = "&load body='b', acceleration=0,0,-9.81 /\n"
+
+
 @pytest.mark.parametrize(
     "keys", ["fix='y-','z+', fix_layers=3", "fix='x-', fix_layers=9", "fix='all', fix_layers=9"]
 )
 def test_what_is_held_in_part_is_sound(keys, tmp_path):
     """A body that moves somewhere, or is said to stand still."""
     text = "&body id='b', box=0,0.1,0,0.04,0,0.04, spacing=0.01, material='s', "
-    code, _, err = check(tmp_path, "&run t_end=1e-4 /\n" + STEEL + text + keys + " /\n")
+    code, _, err = check(tmp_path, "&run t_end=1e-4 /\n" + STEEL + text + keys + " /\n" + WEIGHT)
     assert (code, err) == (0, "")
 
 
@@ -161,7 +164,7 @@ AROUND = "&body id='c', box=0,0.1, -0.027,0.036, -0.027,0.036, spacing=0.009, ma
 def test_single_layers_and_rows(bodies, words, tmp_path):
     """What has stress is let pass without a word, what has none is refused."""
     material = STEEL if "'s'" in bodies else ELASTIC
-    code, out, err = check(tmp_path, "&run t_end=1e-4 /\n" + material + bodies)
+    code, out, err = check(tmp_path, "&run t_end=1e-4 /\n" + material + bodies + WEIGHT)
     assert code == (2 if words else 0), err
     assert words in err
     if not words:

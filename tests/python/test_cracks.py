@@ -74,7 +74,7 @@ def test_a_body_too_coarse_for_its_energy_is_told(tmp_path):
     deck = """\
 &run t_end=1e-6, dimension=2 /
 &material id='m', preset='concrete_48', gf=1 /
-&body id='b', box=0,0.04, 0,0.04, 0,1, spacing=0.004, material='m' /
+&body id='b', box=0,0.04, 0,0.04, 0,1, spacing=0.004, material='m', velocity=9,0,0 /
 """
     (tmp_path / "b.nml").write_text(deck)
 
