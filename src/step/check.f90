@@ -17,6 +17,7 @@ module brz_check
     use brz_gauges, only: gauges_t, set_up_gauges
     use brz_kinds, only: dp, real32, rk
     use brz_material_report, only: material_report
+    use brz_print_early, only: is_too_early
     use brz_run_ranks, only: print_ranks, print_regions
     use brz_scene_size, only: count_text, memory_text, scene_size_t
     use brz_screen, only: say
@@ -79,7 +80,8 @@ contains
         call print_cost(sim%case, exact, sim%solid, gpus, sim%early)
         call print_ranks(sim%case, size_of, n)
         call print_regions(sim%case, size_of, sim%solid, n)
-        call print_verdict(sim%case, sim%solid, 'the deck is sound')
+        call print_verdict(sim%case, sim%solid, 'the deck is sound', &
+                           merge(1, 0, is_too_early(sim%early)))
     end subroutine print_check
 
     !> Print what the deck alone says of a scene that is too large to look at it in seconds.
@@ -155,15 +157,17 @@ contains
     end subroutine print_cost
 
     !> What all of it comes to; warnings have been written on the error unit.
-    subroutine print_verdict(case, solid, sound)
+    subroutine print_verdict(case, solid, sound, more)
         type(case_t), intent(in) :: case
         type(solid_t), intent(in) :: solid
         character(*), intent(in) :: sound
+        integer, intent(in), optional :: more !! warnings besides those of both
         character(:), allocatable :: verdict
         integer :: i, n
 
         verdict = sound
         n = size(case%warnings)
+        if (present(more)) n = n + more
         if (allocated(solid%notes)) &
             n = n + count([(solid%notes(i:i) == new_line('a'), i=1, len(solid%notes))])
         if (n > 0) verdict = to_text(n)//' warning(s) on the error unit'

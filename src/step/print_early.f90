@@ -10,7 +10,7 @@ module brz_print_early
     use brz_early, only: early_t
     implicit none
     private
-    public :: print_early, print_charges
+    public :: is_too_early, print_early, print_charges
 
     real(dp), parameter :: worth_a_warning = 0.05_dp !! mean change of the products' pressure
 
@@ -40,10 +40,17 @@ contains
             '             beyond open sides, and gone: ', 100*early%beyond, ' % of the energy'
         if (early%dimensions == 2) write (output_unit, '(a, es9.2, a)') &
             '             the points of the cells missed its sums by', early%off, ' at most'
-        if (early%pressure_mean > worth_a_warning) write (error_unit, '(a)') &
+        if (is_too_early(early)) write (error_unit, '(a)') &
             'warning: the blast is mapped so early that the products are no ideal gas yet; '// &
             'their energy is kept, their pressure is not'
     end subroutine print_early
+
+    !> Is a blast mapped while its products are far from an ideal gas?
+    pure logical function is_too_early(early)
+        type(early_t), intent(in) :: early
+
+        is_too_early = early%pressure_mean > worth_a_warning
+    end function is_too_early
 
     !> Charges on the ground, and what charges on the grid lose to bodies.
     subroutine print_charges(case, report)

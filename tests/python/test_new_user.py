@@ -176,3 +176,10 @@ def test_plies_lie_across_the_thickness(axis, words, tmp_path):
     deck += f"  plies='0/90/90/0', ply_axis='{axis}', velocity=9,0,0 /\n"
     _, said = check(tmp_path, deck)
     assert words in said if words else said == ""
+
+
+def test_a_blast_that_is_mapped_at_once_is_not_sound(tmp_path):
+    """In milliseconds for seconds: the warning of the start counts in the verdict."""
+    deck = AIR + "&charge id='c', mass=1, at=1,1,1, start='1d', eos='jwl' /\n"
+    _, said = check(tmp_path, deck, "&run t_end=1e-5 /\n")
+    assert "warning: the blast is mapped so early" in said
