@@ -31,7 +31,7 @@ contains
             select case (deck%groups(g)%name)
             case ('body')
                 b = b + 1
-                call judge_motion(deck, g, case%run%t_end, case%bodies(b))
+                call judge_motion(deck, g, case, case%bodies(b))
             case ('inflow')
                 k = k + 1
                 call judge_inflow(deck, g, case, case%inflows(k))
@@ -74,10 +74,10 @@ contains
     end function seconds
 
     !> A velocity that a body starts with and cannot keep, and one that it is given too late.
-    subroutine judge_motion(deck, g, t_end, body)
+    subroutine judge_motion(deck, g, case, body)
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
-        real(dp), intent(in) :: t_end
+        type(case_t), intent(in) :: case
         type(body_case_t), intent(in) :: body
         logical :: moves
         integer :: n
@@ -87,13 +87,32 @@ contains
         if (n > 0) then
             if (body%formulation == 'rigid' .and. moves) call warn(deck, g, 'velocity and spin '// &
                 'have no effect: motion_velocity moves all of it from the start')
-            call judge_begin(deck, g, t_end, body%motion_time(:n), &
+            call judge_begin(deck, g, case%run%t_end, body%motion_time(:n), &
                              maxval(abs(body%motion_velocity(:, :n)), dim=1))
         else if (is_held_whole(body) .and. moves) then
             call warn(deck, g, "velocity and spin have no effect: fix='all' holds all of it; "// &
                       'take one of them out, or give motion_time and motion_velocity')
+        else if (moves) then
+            if (is_in_fix_box(case, body)) call warn(deck, g, 'velocity and spin have no '// &
+                'effect: a fix_box holds all of it; take one of them out')
         end if
     end subroutine judge_motion
+
+    logical function is_in_fix_box(case, body)
+        type(case_t), intent(in) :: case
+        type(body_case_t), intent(in) :: body
+        real(dp) :: lo(3), hi(3)
+        integer :: d, i
+
+        is_in_fix_box = .false.
+        if (is_from_file(body)) return
+        call body_box(body, lo, hi)
+        d = case%run%dimension
+        do i = 1, body%n_fix_boxes
+            is_in_fix_box = is_in_fix_box .or. (all(body%fix_box(1:2*d:2, i) <= lo(:d)) .and. &
+                                                all(body%fix_box(2:2*d:2, i) >= hi(:d)))
+        end do
+    end function is_in_fix_box
 
     subroutine judge_region_motion(deck, g, case)
         type(deck_t), intent(inout) :: deck

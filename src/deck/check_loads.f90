@@ -46,6 +46,7 @@ contains
                       meaning='Times of the history, growing; straight lines between them, 0 '// &
                       'before and after. Not needed for one constant pressure.'), &
                 key_t(group=g, key='pressure', n_max=most_points, unit='Pa', &
+                      likely=[10.0_dp, 1e12_dp], &
                       meaning='Overpressure at these times; positive pushes on the face.'), &
                 key_t(group=g, key='table', kind=kind_text, longest=256, &
                       meaning='History from a file of comma-separated numbers, in place of '// &

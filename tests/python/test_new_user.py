@@ -53,6 +53,7 @@ UNITS = {
     "energy_of_charge": (AIR + TNT.replace("mass", "energy=4.6, mass"), "4.6 [J/kg]"),
     "density_of_charge": (AIR + TNT.replace("mass=4000", "mass=4, density=1.63"), "1.63 [kg/m3]"),
     "pressure_of_air": (AIR.replace("box", "pressure=101.325, box") + TNT, "101.325 [Pa]"),
+    "pressure_in_mpa": (STEEL + BLOCK.replace("1e6", "0.3"), "pressure = 0.3 [Pa]"),
     "strength_of_glue": (
         STEEL
         + f"&body id='a', {CUBE}, velocity=0,0,10 /\n&body id='b', {LOWER} /\n"
@@ -67,6 +68,10 @@ IDLE = {
     "held_whole": (
         STEEL + f"&body id='a', {CUBE}, formulation='rigid', fix='all', velocity=0,0,9 /\n",
         "velocity and spin have no effect: fix='all' holds all of it",
+    ),
+    "in_a_fix_box": (
+        STEEL + f"&body id='a', {CUBE}, fix_box=-1,1,-1,1,-1,1, velocity=0,0,9 /\n",
+        "velocity and spin have no effect: a fix_box holds all of it",
     ),
     "late_motion": (
         STEEL
