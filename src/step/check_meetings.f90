@@ -20,17 +20,21 @@ module brz_check_meetings
 
 contains
 
-    !> A line for each law and reason, with the first pairs of bodies that meet so.
+    !> A line for each law and reason, with the first pairs of bodies that meet so; what stress the
+    !> faces have of contact and of the air.
     subroutine print_meetings(case)
         type(case_t), intent(in) :: case
         type(kind_t), allocatable :: kinds(:)
         type(interaction_case_t) :: rule
+        logical :: pressed !! by contact or by the air
         integer :: a, b, k
 
+        pressed = case%air%present .and. case%coupling%present
         allocate (kinds(0))
         do a = 1, size(case%bodies) - 1
             do b = a + 1, size(case%bodies)
                 call find_rule(case, a, b, rule)
+                pressed = pressed .or. rule%law == 'contact'
                 call count_pair(kinds, law_text(rule), trim(case%bodies(a)%id)//'+'// &
                                 trim(case%bodies(b)%id))
             end do
@@ -40,6 +44,9 @@ contains
                 to_text(kinds(k)%pairs - most_named)//' more pairs'
             write (output_unit, '(4a)') 'meeting      ', kinds(k)%law, ': ', kinds(k)%names
         end do
+        if (pressed .and. any(case%bodies%formulation /= 'rigid')) write (output_unit, '(2a)') &
+            'faces        the outermost layer has half of the pressure of contact and air as ', &
+            'its stress (docs/solid.md, loaded faces)'
     end subroutine print_meetings
 
     !> Law of a pair, its friction, and where that is said.
