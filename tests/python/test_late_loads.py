@@ -66,7 +66,8 @@ def test_a_load_after_the_end_is_warned_of(tmp_path):
         done = check(tmp_path, deck)
         assert "after the end of the run" in done.stderr and remedy in done.stderr
         assert "warning(s)" in done.stdout and "sound" not in done.stdout.split("verdict")[1]
-    for deck in (late(), late(t_end=0.001, start=", detonation_time=-0.06")):
+    soon = late(t_end=0.001, start=", detonation_time=-0.06").replace("0.02, h", "5e-4, h")
+    for deck in (late(), soon.replace("every=0.01", "every=1e-4")):
         done = check(tmp_path, deck)
         assert not done.stderr and "the deck is sound" in done.stdout
 

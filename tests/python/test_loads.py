@@ -361,7 +361,7 @@ def test_a_load_or_a_motion_wants_no_air(group, tmp_path):
     deck = "&run t_end=1e-6 /\n&air box=-1,1,-1,1,-1,1, cells=4,4,4 /\n"
     deck += BLOCK.format(dx=1e-3, form="auto")
     deck += {
-        "load": "&load id='k', body='b', faces='z-', pressure=1 /\n",
+        "load": "&load id='k', body='b', faces='z-', pressure=1e5 /\n",
         "motion": "&motion id='k', body='b', box=-1,1,-1,1,-1,1, velocity=1,0,0 /\n",
     }[group]
     (tmp_path / "bad.nml").write_text(deck)
