@@ -39,10 +39,11 @@ contains
         mean = mean_pressures(solid%loads, solid%time, dt)
         !@gpu call copy_in(mean, gpu%loads%mean, 8_int64*size(mean))
         associate (there => solid%loads%facets, place => solid%loads%place)
-            call each_load_carrier(there%carriers, solid%wide, solid%step_d, solid%step_p, &
-                solid%step_t, solid%time, dt, there%first, there%id, there%load, there%beside, &
-                there%mirror, there%width, there%most, there%side, there%wave, mean, place, &
-                solid%x, solid%fixed, solid%load, solid%face_stress) !@gpu mean => gpu%loads%mean
+            if (there%carriers > 0) call each_load_carrier(there%carriers, solid%wide, &
+                solid%step_d, solid%step_p, solid%step_t, solid%time, dt, there%first, there%id, &
+                there%load, there%beside, there%mirror, there%width, there%most, there%side, &
+                there%wave, mean, place, solid%x, solid%fixed, solid%load, &
+                solid%face_stress) !@gpu mean => gpu%loads%mean
         end associate
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b), there => solid%bodies(b))
