@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Groups against the key table: known keys, converted values, defaults, what is missing or double.
 module brz_complete
-    use brz_deck, only: add_entry, add_error, add_group, deck_t, entry_t, find_entry, &
-                        find_group, group_label, group_t, move_group
+    use brz_deck, only: add_entry, add_error, add_group, deck_t, drop_group, entry_t, find_entry, &
+                        find_group, group_label, group_t
     use brz_errors, only: error_t, exit_internal, raise
     use brz_key, only: key_t, none, required
     use brz_key_text, only: expectation, find_row, group_repeats, key_hint
@@ -270,19 +270,6 @@ contains
             if (first < g .and. .not. repeats) call drop_group(deck, g)
         end do
     end subroutine check_repeats
-
-    !> Take a group out of the deck.
-    subroutine drop_group(deck, g)
-        type(deck_t), intent(inout) :: deck
-        integer, intent(in) :: g
-        integer :: k
-
-        do k = g, deck%n - 1
-            call move_group(deck%groups(k + 1), deck%groups(k))
-        end do
-        deck%groups(deck%n) = group_t()
-        deck%n = deck%n - 1
-    end subroutine drop_group
 
     !> Make sure that a group that may stand once is there, with its defaults.
     subroutine ensure_group(deck, keys, defaults, name)

@@ -8,7 +8,7 @@ module brz_deck
     private
     public :: deck_t, group_t, entry_t, raw_t, message_t
     public :: add_error, add_warning, report_errors, place, group_label, find_entry, find_group
-    public :: add_group, add_entry, entry_line, complain, move_group
+    public :: add_group, add_entry, drop_group, entry_line, complain, move_group
     public :: may_be_misspelt, max_shown, max_groups, max_entries, max_values
 
     integer, parameter :: max_shown = 50 !! messages that are kept, the rest is counted
@@ -258,6 +258,19 @@ contains
         call move_alloc(from%id, to%id)
         call move_alloc(from%entries, to%entries)
     end subroutine move_group
+
+    !> Take a group out of the deck.
+    subroutine drop_group(deck, g)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        integer :: k
+
+        do k = g, deck%n - 1
+            call move_group(deck%groups(k + 1), deck%groups(k))
+        end do
+        deck%groups(deck%n) = group_t()
+        deck%n = deck%n - 1
+    end subroutine drop_group
 
     !> Append an empty entry.
     subroutine add_entry(group, key, line)

@@ -3,7 +3,8 @@
 module brz_laminate_glue
     use brz_case, only: name_len
     use brz_complete, only: complete_group
-    use brz_deck, only: add_group, complain, deck_t, entry_t, find_group, group_t, move_group
+    use brz_deck, only: add_group, complain, deck_t, drop_group, entry_t, find_group, group_t, &
+                        move_group
     use brz_get, only: get, is_given
     use brz_group_values, only: set_numbers, set_text, set_texts, take_entry
     use brz_key, only: key_t
@@ -52,7 +53,7 @@ contains
         call set_text(deck%groups(place), 'law', 'cohesive')
         call fill(deck, g, place)
         if (deck%groups(g)%bad) then
-            call take_out(deck, place)
+            call drop_group(deck, place) ! so that nothing is said of what no deck has
             if (place < g) g = g - 1
         else
             call complete_group(deck, keys, defaults, place)
@@ -129,18 +130,6 @@ contains
         end do
         call move_group(added, deck%groups(place))
     end subroutine insert_interaction
-
-    !> Take an interaction out again, so that nothing is said of what no deck has.
-    subroutine take_out(deck, place)
-        type(deck_t), intent(inout) :: deck
-        integer, intent(in) :: place
-        integer :: k
-
-        do k = place, deck%n - 1
-            call move_group(deck%groups(k + 1), deck%groups(k))
-        end do
-        deck%n = deck%n - 1
-    end subroutine take_out
 
     !> Plies between interfaces do not delaminate by the law of the material as well: the strengths
     !> and the energy of that mode are taken out of it, or of a copy where other bodies need it.
