@@ -140,14 +140,14 @@ $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(FLOORS:%.f90=$(B)/obj/%.o) $(LIB)
 	$(Q)$(LINK) -o $@ $^ $(HDF5_LIBS)
 
 include studies.mk
-.PHONY: unit verify try python figures lint format check-docs gpu-check setup test demo bench bench-ranks golden vectors coverage planted install dist
+.PHONY: unit verify try python figures lint format check-docs gpu-check setup test test-all demo bench bench-ranks golden vectors coverage planted install dist
 # The figures that tests measure go to NOTES and PYTHON_NOTES; a whole run begins them anew.
 NOTES := build/log/notes$(KIND).csv
 PYTHON_NOTES := build/log/notes-python$(KIND).csv
-unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
+unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name"; TIER=quick: none that is slow)
 	@mkdir -p build/log
 	@$(if $(ARGS)$(filter unit,$@),,rm -f $(NOTES))
-	BRZ_NOTES=$(abspath $(NOTES)) $(B)/tests/$@/run $(PF_XML) build/log/$(if $(filter unit,$@),$(or $(UNIT),$@),$@).xml $(ARGS)
+	BRZ_NOTES=$(abspath $(NOTES)) $(B)/tests/$@/run $(PF_QUICK) $(PF_XML) build/log/$(if $(filter unit,$@),$(or $(UNIT),$@),$@).xml $(ARGS)
 
 try: ## after an edit: build quickly, run the tests whose names hold a text, in seconds (ARGS="-f name")
 	@$(MAKE) --no-print-directory QUICK=1 unit $(if $(ARGS),verify)
@@ -167,7 +167,7 @@ bench-gpu: ## measure the speed on the GPU (ARGS: cells in each direction)
 emulated: $(B)/tests/gpu/run $(EMULATOR) ## run the tests of the GPU with the emulated driver
 	@mkdir -p build/log
 	@echo '// $(STAMP)' > build/gpu/emulated.ptx
-	LD_LIBRARY_PATH=$(dir $(EMULATOR)) BRISANCE_PTX=build/gpu/emulated.ptx $(B)/tests/gpu/run $(PF_XML) build/log/emulated.xml $(ARGS)
+	LD_LIBRARY_PATH=$(dir $(EMULATOR)) BRISANCE_PTX=build/gpu/emulated.ptx $(B)/tests/gpu/run $(PF_QUICK) $(PF_XML) build/log/emulated.xml $(ARGS)
 $(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%.o,$(wildcard tests/gpu/gpu_*.f90) $(FLOORS)) $(LIB)
 	@mkdir -p $(@D)
 	$(call say,link $@)
@@ -177,11 +177,14 @@ $(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%
 # --- what users and CI call ---------------------------------------------------------------------
 FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90' '*.CUF')
 # (verify is one thread nearly all the time: the other parts fill the second core beside it)
-PARTS  := all unit verify+unit-mixed+lint+gpu-check+gpu+emulated+python figures check-docs vectors
+QUICKLY_DONE := all unit verify+lint+emulated+python figures check-docs vectors
+EVERYTHING := all unit verify+unit-mixed+lint+gpu-check+gpu+emulated+python figures check-docs vectors
 setup: ## install what is missing
 	@scripts/setup.sh
-test: setup ## build and run every test
-	@$(PY) scripts/run_tests.py $(PARTS)
+test: setup ## build, and run every test that is not labelled slow
+	@$(PY) scripts/run_tests.py --quick $(QUICKLY_DONE)
+test-all: setup ## build and run every test, in mixed precision and for the GPU as well
+	@$(PY) scripts/run_tests.py $(EVERYTHING)
 demo: setup ## a coarse blast on a CFRP plate, with pictures
 	@$(MAKE) --no-print-directory all
 	$(BIN) run inputs/demo.nml --replace
@@ -210,9 +213,9 @@ $(if $(KIND),$(if $(filter golden,$(MAKECMDGOALS)),$(error make golden: the curv
     $(notdir $(BIN)): leave out DEBUG, QUICK, COVERAGE, PORTABLE and PRECISION)))
 golden: all ## write the golden curves of tests/golden anew from inputs/material (CASE=name: that one)
 	@$(PY) tests/python/golden.py $(CASE)
-python: all emulator ## tests of the Python tools and of the whole program (ARGS="-k name": those alone)
+python: all emulator ## tests of the Python tools and of the whole program (ARGS="-k name": those alone; TIER=quick)
 	@mkdir -p build/log; $(if $(ARGS),,rm -f $(PYTHON_NOTES))
-	@BRZ_NOTES=$(abspath $(PYTHON_NOTES)) $(if $(ARGS),,OMP_NUM_THREADS=1) $(PY) -m pytest --junitxml=build/log/python.xml \
+	@BRZ_NOTES=$(abspath $(PYTHON_NOTES)) $(if $(ARGS),,OMP_NUM_THREADS=1) $(PY) -m pytest $(if $(filter quick,$(TIER)),-m 'not slow') --junitxml=build/log/python.xml \
 	    $(or $(ARGS),-n auto --dist loadfile)
 lint: ## format, linters, the rules of the house
 	@bad=0; $(PY) scripts/format.py --check $(FORMAT) || bad=1; \
@@ -224,9 +227,9 @@ format: ## format all sources
 	@$(PY) scripts/format.py $(FORMAT)
 	@.venv/bin/ruff format -q .
 	@.venv/bin/ruff check -q --fix .
-figures: ## are the figures in the tables of docs those of the tests? (after verify and python; ARGS=--write)
+figures: ## are the figures in the tables of docs those of the tests? (after verify and python; ARGS=--write; TIER=quick: those that were measured)
 	@$(if $(filter mixed,$(PRECISION)),echo 'skipped: the tables are those of real64',\
-	$(PY) scripts/figures.py $(NOTES) $(PYTHON_NOTES) $(ARGS))
+	$(PY) scripts/figures.py $(if $(filter quick,$(TIER)),--some) $(NOTES) $(PYTHON_NOTES) $(ARGS))
 check-docs: all ## is docs/deck_reference.md what the program says?
 	@if [ -x $(BIN) ]; then $(BIN) --describe --markdown | diff -u docs/deck_reference.md -; \
 	else echo 'skipped: there is no $(BIN)'; fi
@@ -244,7 +247,7 @@ $(B)/sources: FORCE
 $(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
 	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5,funit,pfunit \
 	    $(SCANNED) > $@
-NO_BUILD := clean help setup test demo try coverage planted dist unit-mixed figures lint format gpu-check gpu emulator charts-scenes
+NO_BUILD := clean help setup test test-all demo try coverage planted dist unit-mixed figures lint format gpu-check gpu emulator charts-scenes
 ifneq ($(filter-out $(NO_BUILD),$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif

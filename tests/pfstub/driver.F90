@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Main program of a test executable. _TEST_SUITES names a file of lines ADD_TEST_SUITE(x_suite).
 !>
-!> Options: -v (or -d) names and times, -f TEXT only tests whose name holds TEXT, -o FILE report
-!> there, -x FILE JUnit XML, -t FILE TAP. Exit code 0, or 2 if a test did not pass.
+!> Options: -v (or -d) names and times, -f TEXT only tests whose name holds TEXT, -q none whose name
+!> ends in _slow, -o FILE report there, -x FILE JUnit XML, -t FILE TAP. Exit code 0, or 2 if a test
+!> did not pass.
 program driver
     use, intrinsic :: iso_fortran_env, only: output_unit
     use funit, only: TestSuite
@@ -17,7 +18,7 @@ program driver
     type(test_t), allocatable :: tests(:)
     type(outcome_t), allocatable :: outcomes(:)
     character(:), allocatable :: filter, report, junit, tap
-    logical :: verbose, alone
+    logical :: verbose, alone, quick
     integer :: i, unit
 
     allocate (tests(0))
@@ -30,6 +31,7 @@ program driver
     do i = 1, size(tests)
         outcomes(i)%text = ''
         if (index(tests(i)%suite//'.'//tests(i)%name, filter) == 0) cycle
+        if (quick .and. is_slow(tests(i)%name)) cycle
         outcomes(i)%status = merge(disabled, waiting, tests(i)%disabled)
         if (.not. alone .or. tests(i)%npes == 0) cycle
         outcomes(i)%status = disabled
@@ -71,6 +73,13 @@ contains
         error stop 'no such test'
     end subroutine be_a_process
 
+    !> Does a name, without its number of processes, end in _slow?
+    pure logical function is_slow(name)
+        character(*), intent(in) :: name
+
+        is_slow = index(name//'[', '_slow[') > 0
+    end function is_slow
+
     subroutine read_options()
         character(256) :: word
         integer :: k
@@ -80,6 +89,7 @@ contains
         junit = ''
         tap = ''
         verbose = .false.
+        quick = .false.
         k = 0
         do while (k < command_argument_count())
             k = k + 1
@@ -89,6 +99,8 @@ contains
                 verbose = .true.
             case ('-f', '--filter')
                 call next(k, filter)
+            case ('-q')
+                quick = .true.
             case ('-o', '--output')
                 call next(k, report)
             case ('-x')
@@ -96,7 +108,8 @@ contains
             case ('-t')
                 call next(k, tap)
             case default
-                write (output_unit, '(a)') 'options: [-v] [-f TEXT] [-o FILE] [-x FILE] [-t FILE]'
+                write (output_unit, '(a)') 'options: [-v] [-q] [-f TEXT] [-o FILE] [-x FILE] '// &
+                    '[-t FILE]'
                 stop 2, quiet = .true.
             end select
         end do

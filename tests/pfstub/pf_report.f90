@@ -39,7 +39,7 @@ contains
         character(*), intent(in) :: file
         type(test_t), intent(in) :: tests(:)
         type(outcome_t), intent(in) :: outcomes(:)
-        character(16) :: seconds
+        character(16) :: seconds, core
         integer :: i, unit
 
         open (newunit=unit, file=file, action='write', status='replace')
@@ -51,8 +51,10 @@ contains
         do i = 1, size(tests)
             if (outcomes(i)%status == not_chosen) cycle
             write (seconds, '(f16.6)') outcomes(i)%seconds
+            write (core, '(f16.6)') outcomes(i)%core
             write (unit, '(a)') '<testcase classname="'//tests(i)%suite//'" name="'// &
-                tests(i)%name//'" time="'//trim(adjustl(seconds))//'">'// &
+                tests(i)%name//'" time="'//trim(adjustl(seconds))//'" core="'// &
+                trim(adjustl(core))//'">'// &
                 xml_of(outcomes(i))//'</testcase>'
         end do
         write (unit, '(a)') '</testsuite></testsuites>'

@@ -17,6 +17,7 @@ module pf_run
     type :: outcome_t
         integer :: status = not_chosen
         real(real64) :: seconds = 0
+        real(real64) :: core = 0 !! seconds of all threads and processes
         character(:), allocatable :: text
     end type outcome_t
 
@@ -36,6 +37,11 @@ module pf_run
             import :: c_int
             integer(c_int), value :: seconds
         end function alarm
+        integer(c_int) function getrusage(who, usage) bind(c)
+            import :: c_int, c_long
+            integer(c_int), value :: who
+            integer(c_long), intent(out) :: usage(18)
+        end function getrusage
         subroutine quick_exit(status) bind(c, name='_exit')
             import :: c_int
             integer(c_int), value :: status
@@ -78,6 +84,7 @@ contains
         character(*), intent(in) :: record
         integer :: i, unit
         integer(int64) :: t0, t1, rate
+        real(real64) :: core
 
         open (newunit=unit, file=record, action='write', status='replace')
         do i = first, size(tests)
@@ -87,9 +94,10 @@ contains
             if (verbose) write (output_unit, '(a)') ' Start: '//full_name(tests(i))
             flush (output_unit)
             call system_clock(t0, rate)
+            core = core_seconds()
             call run_one(tests(i), record)
             call system_clock(t1)
-            call write_record(unit, i, real(t1 - t0, real64)/rate)
+            call write_record(unit, i, [real(t1 - t0, real64)/rate, core_seconds() - core])
             call show(tests(i), real(t1 - t0, real64)/rate, verbose)
         end do
         close (unit)
@@ -112,9 +120,20 @@ contains
         left = alarm(0_c_int)
     end subroutine run_one
 
+    !> What this process, its threads and its children that have ended have computed [s].
+    real(real64) function core_seconds()
+        integer(c_long) :: own(18), children(18) ! first: s and us of the user, of the system
+        integer(c_int) :: status
+
+        status = getrusage(0_c_int, own)
+        status = getrusage(-1_c_int, children)
+        own(:4) = own(:4) + children(:4)
+        core_seconds = own(1) + own(3) + 1e-6_real64*(own(2) + own(4))
+    end function core_seconds
+
     subroutine write_record(unit, i, seconds)
         integer, intent(in) :: unit, i
-        real(real64), intent(in) :: seconds
+        real(real64), intent(in) :: seconds(2) !! by the clock, of all cores
         character(:), allocatable :: text
         integer :: j, k
 
@@ -125,7 +144,7 @@ contains
             write (unit, '("says ", a)') text(j:j + k - 2)
             j = j + k
         end do
-        write (unit, '("end ", i0, 1x, i0, 1x, es13.6)') i, &
+        write (unit, '("end ", i0, 1x, i0, 2(1x, es13.6))') i, &
             merge(failed, passed, anyExceptions()), seconds
         flush (unit)
     end subroutine write_record
@@ -172,7 +191,7 @@ contains
             case ('says')
                 outcomes(running)%text = outcomes(running)%text//trim(line(6:))//new_line('a')
             case ('end')
-                read (line(4:), *) i, outcomes(i)%status, outcomes(i)%seconds
+                read (line(4:), *) i, outcomes(i)%status, outcomes(i)%seconds, outcomes(i)%core
                 next = i + 1
                 running = 0
             end select

@@ -19,6 +19,7 @@ PF_MODULES = $(addprefix $(B)/obj/tests/pfstub/,pf_core.o funit.o pf_mpi.o pf_ru
 PF_PLAIN   = -std=f2018 -O1 -fno-lto -J$(B)/pfstub
 PF_FLAGS   = -I$(B)/pfstub
 PF_XML    := -x
+PF_QUICK   = $(if $(filter quick,$(TIER)),-q)
 endif
 PF_FLAGS  += -ffree-line-length-none -Wno-unused-function -Wno-unused-dummy-argument
 

@@ -2,6 +2,7 @@
 """The build recompiles only what it must, `make test` counts right, set-up says what to do."""
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -143,7 +144,7 @@ def test_parts_are_counted(tmp_path, parts, last, code):
 
 def test_the_slowest_tests_of_all_parts_are_listed(tmp_path):
     """Ten of them, the slowest first, before the last line; a part without XML has none."""
-    case = "<testcase classname='{}_suite' name='n{}' time='{}'/>"
+    case = "<testcase classname='{}_suite' name='n{}' core='{}' time='1000'/>"
     for part, times in (("one", range(20, 28)), ("two", (0.5, 300.5, 23.5, 1.0, 2.0))):
         cases = "".join(case.format(part, k, time) for k, time in enumerate(times))
         (tmp_path / f"{part}.xml").write_text(f"<t>{cases}<testcase/></t>")
@@ -151,14 +152,48 @@ def test_the_slowest_tests_of_all_parts_are_listed(tmp_path):
     (tmp_path / "Makefile").write_text("".join(copies) + "plain:\n\t@true\n")
     done = run(ROOT / "scripts/run_tests.py", "one+two", "plain", cwd=tmp_path)
     lines = done.stdout.splitlines()
-    rows = [line.split() for line in lines[lines.index("slowest tests, wall seconds:") + 1 : -2]]
+    rows = [line.split() for line in lines[lines.index("slowest tests, core-seconds:") + 1 : -3]]
     assert rows[:2] == [
         ["300.5", "s", "two", "two_suite", "n1"],
         ["27.0", "s", "one", "one_suite", "n7"],
     ]
     seconds = [float(row[0]) for row in rows]
     assert seconds == [300.5, 27.0, 26.0, 25.0, 24.0, 23.5, 23.0, 22.0, 21.0, 20.0]
+    assert re.fullmatch(r"\d+ s, \d+ core-seconds", lines[-2])
     assert lines[-1] == "16 passed, 0 failed"
+
+
+LONG = """<t><testcase classname="test_a_suite" name="short" core="9.9"/>
+<testcase classname="test_a_suite" name="told[npes=2]" core="20"/>
+<testcase classname="test_a_suite" name="long" core="11"/>
+<testcase classname="tests.b" name="told"><properties><property name="core" value="12"/>
+<property name="long" value="a mesh"/></properties></testcase>
+<testcase classname="tests.b" name="long"><properties><property name="core" value="13"/>
+</properties></testcase></t>"""
+LONG_TESTS = """module test_a
+contains
+    subroutine long()
+    end subroutine long
+    subroutine told(this)
+        !@long: a fine mesh
+    end subroutine told
+end module test_a
+"""
+
+
+@pytest.mark.parametrize("tier", ["quick", ""])
+def test_a_long_test_says_why(tmp_path, tier):
+    (tmp_path / "tests/unit").mkdir(parents=True)
+    (tmp_path / "tests/unit/test_a.pf").write_text(LONG_TESTS)
+    (tmp_path / "long.xml").write_text(LONG)
+    recipe = f"@cp long.xml build/log/; test '$(TIER)' = '{tier}'"
+    (tmp_path / "Makefile").write_text(f"long:\n\t{recipe}\n")
+    done = run(ROOT / "scripts/run_tests.py", *(["--quick"] if tier else []), "long", cwd=tmp_path)
+    assert done.stdout.splitlines()[-1] == f"5 passed, {2 if tier else 0} failed"
+    assert done.returncode == (1 if tier else 0)
+    assert ("test_a_suite long: 11.0 core-seconds" in done.stdout) == bool(tier)
+    assert ("tests.b long: 13.0 core-seconds" in done.stdout) == bool(tier)
+    assert "told: " not in done.stdout
 
 
 def fake(folder, name, text):

@@ -53,11 +53,20 @@ def build(kit, name):
 
 
 def test_all_assertions_hold(kit):
-    done = run(build(kit, "good"), "-v", "-t", "good.tap", cwd=kit)
+    done = run(build(kit, "good"), "-v", "-t", "good.tap", "-x", "good.xml", cwd=kit)
     assert done.returncode == 0
-    assert " OK\n (4 tests, 1 disabled)" in done.stdout
+    assert " OK\n (5 tests, 1 disabled)" in done.stdout
     assert re.search(r"end: <good_suite.reals> +\d+\.\d+ s", done.stdout)
-    assert "ok 4 - good_suite.compiled_in" in (kit / "good.tap").read_text()
+    assert "ok 5 - good_suite.compiled_in" in (kit / "good.tap").read_text()
+    cases = {case.get("name"): case for case in xml.parse(kit / "good.xml").iter("testcase")}
+    assert 0.19 < float(cases["computes_slow"].get("core")) < 0.4
+    assert float(cases["others"].get("core")) < 0.1
+
+
+def test_slow_tests_are_left_out(kit):
+    done = run(build(kit, "good"), "-q", "-t", "quick.tap", cwd=kit)
+    assert " OK\n (4 tests, 1 disabled)" in done.stdout
+    assert "slow" not in (kit / "quick.tap").read_text()
 
 
 def test_every_failure_is_seen(kit):
