@@ -79,9 +79,11 @@ contains
         call h5_read(file, cells//'velocity', v, err)
         y = 0
         other = gamma
-        if (two_gases .and. h5_has(file, cells//'products')) then
-            call h5_read(file, cells//'products', y, err)
-            call h5_read(file, gas//'gamma_products', other, err)
+        if (two_gases) then
+            if (h5_has(file, cells//'products')) then
+                call h5_read(file, cells//'products', y, err)
+                call h5_read(file, gas//'gamma_products', other, err)
+            end if
         end if
         if (failed(err)) return
         if (.not. (all(rho > 0) .and. all(p > 0))) then

@@ -85,7 +85,7 @@ contains
         integer :: b
 
         load = 0
-        do b = 1, c%bodies
+        do b = 1, size(solid%bodies)
             if (c%carrier(b)%carries == carries_none) cycle
             associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
                 call each_sum_air_load(last - first + 1, solid%ranks, first, c%box, c%carrier(b), &

@@ -288,10 +288,12 @@ contains
         type(load_case_t), intent(in) :: load
         character, parameter :: axes(3) = ['x', 'y', 'z']
         integer :: a
+        logical :: leaves
 
         do a = 1, 3
             if (.not. max(abs(load%acceleration(a)), abs(load%force(a))) > 0) cycle
-            if (a > case%run%dimension .or. on_plane(case, load%body, a)) &
+            leaves = on_plane(case, load%body, a)
+            if (leaves .or. a > case%run%dimension) &
                 call complain(deck, g, 'body', 'a load along '//axes(a)//' leaves a plane of '// &
                               'symmetry or the plane of a scene in two dimensions; make that '// &
                               'component 0')

@@ -281,8 +281,9 @@ contains
         integer :: c, n
 
         n = size(cell, 2)
+        allocate (place(n), row(4, n))
         place = [(place_of(gpu%grid, cell(1, c), cell(2, c), cell(3, c)), c=1, n)]
-        allocate (row(4, n), source=0.0_rk)
+        row = 0
         call gpu%common%ask(place, 8_int64*n, size(row)*bytes_of_real, err)
         call face_kernels%see_wall(n, gpu%common%asked, gpu%walls%solid, gpu%walls%index, &
                                    gpu%walls%v, reals_t(gpu%common%told), err)

@@ -112,7 +112,7 @@ contains
         integer(int64), intent(in) :: out(:, :), in(:, :) !! (bodies, processes) that go, and come
         type(gpu_coupling_t), intent(inout) :: gpu
         type(error_t), intent(in) :: err
-        integer :: b, me, n(size(out, 1)), whole(size(out, 1)), from(size(out, 1)), to(size(out, 1))
+        integer :: me, n(size(out, 1)), whole(size(out, 1)), from(size(out, 1)), to(size(out, 1))
 
         if (failed(err)) return
         me = gpu%crowd%ranks%rank + 1

@@ -63,8 +63,9 @@ contains
         call allocate_buffer(self%arena, max(2*self%half + block - 1, block)/block*block, err)
         call wait_for_device(err) ! it is zero before anybody writes there
         good = 0
-        if (ranks%here == ranks%n .and. .not. (failed(err) .or. by_mpi())) &
-            good = merge(1, 0, cu_ipc_export(handle, self%arena%address) == 0)
+        if (ranks%here == ranks%n .and. .not. failed(err)) then
+            if (.not. by_mpi()) good = merge(1, 0, cu_ipc_export(handle, self%arena%address) == 0)
+        end if
         told = spread(handle%word, 2, ranks%n)
         call tell_counts(ranks, told, heard)
         call least_of_all(ranks, good) ! who has no handle is asked for nothing

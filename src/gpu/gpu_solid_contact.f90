@@ -121,7 +121,7 @@ contains
         type(error_t), intent(inout) :: err
         integer :: k
 
-        if (.not. (gpu%bonded .and. gpu%links%breaks)) return
+        if (.not. (gpu%linked .and. solid%links%bonds .and. gpu%links%breaks)) return
         associate (l => gpu%links)
             do k = 1, count(l%awake(1, :) > 0)
                 call bond_kernels%break_bond(l%awake(2, k) - l%awake(1, k) + 1, l%awake(1, k), &

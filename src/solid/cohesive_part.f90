@@ -42,7 +42,7 @@ contains
         type(solid_t), intent(inout) :: solid
         integer(int64), allocatable :: own(:)
 
-        own = solid%cohesive%owner
+        allocate (own(size(solid%cohesive%owner)), source=int(solid%cohesive%owner, int64))
         call most_of_all(solid%ranks, own)
         solid%cohesive%owner = int(own, int32)
     end subroutine tell_owners

@@ -62,19 +62,19 @@ contains
         integer, intent(in) :: dimension
         real(rk), intent(in) :: spacing, h !! [m]
         real(rk), intent(out) :: axes(3, 4, 0:size(angles)) !! column 4 [Pa]
-        real(rk) :: e(3), angle, own
+        real(rk) :: e(3), angle, own, turns(1 + size(angles))
         integer :: p
 
         own = spacing**2/(3*fourth_moment(dimension, spacing, h))
-        do p = 0, size(angles)
-            angle = 0
-            if (p > 0) angle = angles(p)
+        turns = [0.0_rk, angles]
+        do p = 1, size(turns)
+            angle = turns(p)
             e = in_plane(material, angle)
             e(3) = (e(1) + e(2))/2
             if (dimension == 2) e(3) = e(merge(1, 2, axis == 'x')) ! along the layer
             call lay_ply([0.0_rk, 0.0_rk, 0.0_rk], zeta/2*max(least*material%across, own*e(3)), &
-                         axis, axes(:, :, p))
-            axes(:, 1:2, p) = fibre_axes(axis, angle)
+                         axis, axes(:, :, p - 1))
+            axes(:, 1:2, p - 1) = fibre_axes(axis, angle)
         end do
     end subroutine lay_layer_axes
 

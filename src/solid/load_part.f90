@@ -15,7 +15,7 @@ contains
         type(solid_t), intent(inout) :: solid
         integer(int64), allocatable :: own(:)
 
-        own = solid%loads%facets%owner
+        allocate (own(size(solid%loads%facets%owner)), source=int(solid%loads%facets%owner, int64))
         call most_of_all(solid%ranks, own)
         solid%loads%facets%owner = int(own, int32)
     end subroutine tell_carriers

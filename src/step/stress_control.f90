@@ -207,10 +207,12 @@ contains
         real(rk) :: direction(most)
         integer :: j
 
-        do j = 0, control%n
+        direction = 0
+        direction(:control%n - 3) = 1
+        call bracket(material, control, point, direction, x)
+        do j = 1, control%n
             direction = 0
-            if (j == 0) direction(:control%n - 3) = 1
-            if (j > 0) direction(j) = 1
+            direction(j) = 1
             call bracket(material, control, point, direction, x)
         end do
     end subroutine sweep

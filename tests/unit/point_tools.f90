@@ -14,11 +14,25 @@ module point_tools
     use brz_text, only: string_t
     implicit none
     private
-    public :: material_from, fault_of, fresh, press_to, shear, move, strain_by, pressure, mises
+    public :: any_numbers, material_from, fault_of, fresh, press_to, shear, move, strain_by, &
+              pressure, mises
 
     real(rk), parameter, public :: h_test = 1e-3_rk !! smoothing length of all tests [m]
 
 contains
+
+    !> Nine numbers between -1 and 1 without order, others for each n.
+    pure function any_numbers(n) result(l)
+        integer, intent(in) :: n
+        real(rk) :: l(3, 3)
+        integer :: i, j
+
+        do j = 1, 3
+            do i = 1, 3
+                l(1 + modulo(i, 3), j) = sin(real((i + 3*(j - 1) + n)**2, rk))
+            end do
+        end do
+    end function any_numbers
 
     !> A material from keys as they stand in a deck.
     subroutine material_from(keys_text, material, err)

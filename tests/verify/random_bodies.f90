@@ -74,7 +74,9 @@ contains
         if (random%draw() < 0.35_dp) half(1) = 0.5_dp*spacing ! a plate
         if (random%draw() < 0.15_dp) half = 0.5_dp*spacing ! a particle
         angle = 0
-        if (air%n(2) > 1 .and. random%draw() < 0.6_dp) angle = 3*random%draw()
+        if (air%n(2) > 1) then
+            if (random%draw() < 0.6_dp) angle = 3*random%draw()
+        end if
         body%first = solid%n + 1
         ! from 50 times the density of the gas on: lighter debris is beyond the coupling
         call add_particles(air, body%centre, half, spacing, angle, &

@@ -117,7 +117,7 @@ contains
         do while (maxval(s%solid%damage) < 1 .and. s%time < 0.5_dp/rate .and. .not. failed(s%err))
             call advance(s, s%time + 1e-3_dp/rate)
         end do
-        middle = s%solid%x_ref(1, :) < half/2
+        allocate (middle(s%solid%n), source=s%solid%x_ref(1, :) < half/2)
         young = rho*sound**2
         young = 9*young*shear/(3*young + shear)
         y = a + b*last
