@@ -21,7 +21,19 @@ import shutil
 import sys
 from pathlib import Path
 
-from cuda_fortran import Fault, compile_all, kernels_of, mangled, missing_tools, run, translate
+import device_cache
+from cuda_fortran import (
+    ARITHMETIC,
+    BIN,
+    Fault,
+    compile_all,
+    kernels_of,
+    mangled,
+    marked,
+    missing_tools,
+    run,
+    translate,
+)
 
 # bytes of stack that a kernel may have: the ply keeps more numbers than a thread has registers,
 # and two faces more than their bound on registers, those of WENO3 only where there are products;
@@ -71,7 +83,30 @@ def resources(ptx, args):
         raise Fault("\n".join(faults))
 
 
+def key_of(args):
+    """A name for what the GPU code is made from; see device_cache."""
+    wanted = [path for path in args.sources if path.suffix == ".CUF" or marked(path)]
+    scripts = [device_cache.SCRIPTS / name for name in ("cuda_fortran.py", "gpu_build.py")]
+    files = device_cache.files_of(args.sources, wanted)
+    checked = next(ptxas(), None) is not None
+    words = [args.define, args.no_fma, checked, run(BIN / "llc", "--version")]
+    return device_cache.key_of([*files, ARITHMETIC, *scripts], words)
+
+
 def build(args):
+    kept, name = args.work.parent / "cache", f"{key_of(args)}.ptx"
+    args.work.mkdir(parents=True, exist_ok=True)
+    if device_cache.take(kept, name, args.work / "final.ptx"):
+        print(f"{args.out}: of the same sources as before")
+    else:
+        compile_kernels(args)
+        device_cache.keep(kept, name, args.work / "final.ptx")
+    args.out.parent.mkdir(parents=True, exist_ok=True)
+    text = (args.work / "final.ptx").read_text(encoding="utf-8")
+    args.out.write_text(f"// {args.stamp}\n" + text, encoding="utf-8")
+
+
+def compile_kernels(args):
     keep = {}
     for path in args.sources:
         keep.update({mangled(path, name): name for name in kernels_of(path)})
@@ -85,8 +120,6 @@ def build(args):
     ptx = args.work / "final.ptx"
     translate(ir, ptx, "-O3", args.no_fma)
     resources(ptx, args)
-    args.out.parent.mkdir(parents=True, exist_ok=True)
-    args.out.write_text(f"// {args.stamp}\n" + ptx.read_text(encoding="utf-8"), encoding="utf-8")
     print(f"{args.out}: {len(keep)} kernels")
 
 

@@ -19,6 +19,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import device_cache
 from cuda_fortran import MODULE, in_order, kernels_of
 from depend import scan
 
@@ -101,6 +102,24 @@ def main():
     parser.add_argument("sources", nargs="+", type=Path)
     args = parser.parse_args()
     args.work.mkdir(parents=True, exist_ok=True)
+    kept, name = args.work.parent / "cache", f"{key_of(args)}.so"
+    if device_cache.take(kept, name, args.out):
+        print(f"{args.out}: of the same sources as before")
+        return
+    build(args)
+    device_cache.keep(kept, name, args.out)
+
+
+def key_of(args):
+    """A name for what the emulator is made from; see device_cache."""
+    wanted = [path for path in args.sources if path.suffix == ".CUF"]
+    scripts = [device_cache.SCRIPTS / name for name in ("cuda_fortran.py", "gpu_emulate.py")]
+    files = [*device_cache.files_of(args.sources, wanted), *sorted(HERE.glob("emul*")), *scripts]
+    version = subprocess.run(["gfortran", "--version"], capture_output=True, check=True).stdout
+    return device_cache.key_of(files, [args.define, version])
+
+
+def build(args):
     args.out.parent.mkdir(parents=True, exist_ok=True)
     objects, table = compile_all(args.sources, args)
     named = [name for path in args.sources for name in kernels_of(path)]
