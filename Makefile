@@ -37,6 +37,8 @@ COMPILE   = $(FC) $(FFLAGS) $(HDF5_CFLAGS) -J$(B)/mod
 Q        := $(if $(V),,@)
 PY       := .venv/bin/python
 say       = $(if $(V),,@echo '  $(1)')
+# What the compiler says is shown, and stays beside the object: see warnings.
+TOLD      = 2>$(@:.o=.log) || { cat $(@:.o=.log) >&2; exit 1; }; cat $(@:.o=.log) >&2
 
 # --- sources: whatever is there ----------------------------------------------------------------
 SRC  := $(sort $(shell find src -name '*.f90' -o -name '*.F90'))
@@ -110,15 +112,15 @@ $(MADE)/model_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py
 $(B)/obj/%.o: %.f90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
 	$(call say,compile $<)
-	$(Q)$(COMPILE) -c $< -o $@
+	$(Q)$(COMPILE) -c $< -o $@ $(TOLD)
 $(B)/obj/%.o: %.F90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
 	$(call say,compile $<)
-	$(Q)$(COMPILE) -c $< -o $@
+	$(Q)$(COMPILE) -c $< -o $@ $(TOLD)
 $(B)/obj/version.o $(B)/obj/presets.o: $(B)/obj/%.o: $(B)/%.f90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
 	$(call say,compile $<)
-	$(Q)$(COMPILE) -c $< -o $@
+	$(Q)$(COMPILE) -c $< -o $@ $(TOLD)
 $(B)/obj/tests/coverage.o: tests/coverage.c
 	@mkdir -p $(@D)
 	$(Q)gcc -c $< -o $@
@@ -140,7 +142,7 @@ $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(FLOORS:%.f90=$(B)/obj/%.o) $(LIB)
 	$(Q)$(LINK) -o $@ $^ $(HDF5_LIBS)
 
 include studies.mk
-.PHONY: unit verify try python figures lint format check-docs gpu-check setup test test-all demo bench bench-ranks golden vectors coverage planted install dist
+.PHONY: unit verify try python figures lint format check-docs gpu-check setup test test-all demo bench bench-ranks golden vectors warnings coverage planted install dist
 # The figures that tests measure go to NOTES and PYTHON_NOTES; a whole run begins them anew.
 NOTES := build/log/notes$(KIND).csv
 PYTHON_NOTES := build/log/notes-python$(KIND).csv
@@ -177,8 +179,8 @@ $(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%
 # --- what users and CI call ---------------------------------------------------------------------
 FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90' '*.CUF')
 # (verify is one thread nearly all the time: the other parts fill the second core beside it)
-QUICKLY_DONE := all unit verify+lint+emulated+python figures check-docs vectors
-EVERYTHING := all unit verify+unit-mixed+lint+gpu-check+gpu+emulated+python figures check-docs vectors
+QUICKLY_DONE := all unit verify+lint+emulated+python figures check-docs vectors warnings
+EVERYTHING := all unit verify+unit-mixed+lint+gpu-check+gpu+emulated+python figures check-docs vectors warnings
 setup: ## install what is missing
 	@scripts/setup.sh
 test: setup ## build, and run every test that is not labelled slow
@@ -195,6 +197,10 @@ bench-ranks: all ## speed of the air on several processes: strong and weak scali
 	@$(PY) scripts/bench_ranks.py $(BIN) $(or $(ARGS),1 2)
 vectors: $(if $(DEBUG)$(QUICK)$(COVERAGE),,$(LIB)) ## are the pair loops of the solid still vector code?
 	@$(if $(DEBUG)$(QUICK),echo 'skipped: not in this build',$(PY) scripts/vectors.py $(LIB))
+COMPILED = $(OBJ) $(B)/obj/src/main.o $(patsubst %,$(B)/obj/%.o,$(basename $(PF) $(PF_HELP)))
+WARNINGS = $(filter $(COMPILED:.o=.log),$(shell find $(B)/obj -name '*.log' -size +0))
+warnings: ## has the compiler warned of anything in this build and its tests?
+	@$(if $(WARNINGS),cat $(WARNINGS); exit 1,echo 'the compiler has warned of nothing')
 COVERED ?= unit verify
 coverage: ## which lines the tests run (COVERED="unit"; FILE=src/...: those of a file that they do not)
 	@mkdir -p build/cpu-coverage; $(if $(COVERED),find build/cpu-coverage -name '*.gcda' -delete)
@@ -247,7 +253,7 @@ $(B)/sources: FORCE
 $(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
 	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5,funit,pfunit \
 	    $(SCANNED) > $@
-NO_BUILD := clean help setup test test-all demo try coverage planted dist unit-mixed figures lint format gpu-check gpu emulator charts-scenes
+NO_BUILD := clean help setup test test-all demo try coverage planted dist unit-mixed figures warnings lint format gpu-check gpu emulator charts-scenes
 ifneq ($(filter-out $(NO_BUILD),$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif

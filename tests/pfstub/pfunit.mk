@@ -42,7 +42,7 @@ $(B)/%.F90: %.pf $(PF_PROC) $(wildcard tests/pfstub/*.py) $(B)/pf_command
 $(B)/obj/%.o: $(B)/%.F90 $(PF_MODULES) $(B)/command
 	@mkdir -p $(@D)
 	$(call say,compile $*.pf)
-	$(Q)$(COMPILE) $(PF_FLAGS) -c $< -o $@
+	$(Q)$(COMPILE) $(PF_FLAGS) -c $< -o $@ $(TOLD)
 # The list of suites of a folder, kept when it does not change.
 $(B)/tests/%/suites.inc: FORCE
 	@{ :; $(foreach name,$(basename $(notdir $(filter tests/$*/%,$(PF)))),echo 'ADD_TEST_SUITE($(name)_suite)';) } | $(SAVE) $@

@@ -108,6 +108,21 @@ def test_an_error_in_a_source_stops_the_build(project):
     assert run("make", "lib", cwd=project).returncode != 0
 
 
+def test_a_warning_of_the_compiler_stays_until_its_file_is_compiled_anew(project):
+    first = project / "src/base/first.f90"
+    shutil.copytree(ROOT / "inputs/presets", project / "inputs/presets")
+    assert run("make", "lib", "warnings", cwd=project).returncode == 0
+    first.write_text(FIRST.format(n=1, body="integer :: idle"))
+    assert compiled(project) == {"first"}
+    for _ in range(2):
+        done = run("make", "lib", "warnings", cwd=project)
+        assert done.returncode != 0
+        assert "Unused variable" in done.stdout
+        assert "idle" in done.stdout
+    first.write_text(FIRST.format(n=1, body=""))
+    assert run("make", "lib", "warnings", cwd=project).returncode == 0
+
+
 PARTS = """
 good:
 \t@echo '<t><testcase/><testcase/><testcase><skipped/></testcase></t>' > build/log/good.xml
