@@ -25,6 +25,7 @@ from post.face import FaceMap  # noqa: E402
 from post.overlay import common_time, compare_faces, damaged_bodies, history_panels  # noqa: E402
 from post.reader import Run  # noqa: E402
 from post.side_by_side import body_speed, name_runs, summary_table  # noqa: E402
+from post.units import base_of, factor_of  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -220,3 +221,21 @@ def test_values_that_are_not_finite_are_told(folders, tmp_path, capsys, quick):
         file["VTKHDF/PointData/damage"][:4] = np.nan
     assert main(["compare", str(folders[0]), str(broken), "--out", str(tmp_path / "page")]) == 3
     assert "'damage' is not finite" in capsys.readouterr().out
+
+
+def test_units_of_references():
+    """Prefixes in front of every part; kilograms, hertz and what has none are SI already."""
+    one = {
+        "kPa ms": 1.0,
+        "MPa": 1e6,
+        "g": 1e-3,
+        "kg": 1.0,
+        "mm": 1e-3,
+        "%": 0.01,
+        "us": 1e-6,
+        "-": 1.0,
+    }
+    assert {unit: factor_of(unit) for unit in one} == pytest.approx(one)
+    assert [base_of(unit) for unit in ("kPa ms", "g", "km/s", "%")] == ["Pa s", "kg", "m/s", "-"]
+    with pytest.raises(ValueError, match="unknown unit 'furlong'"):
+        factor_of("furlong")
