@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tiers import slow
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -34,7 +35,10 @@ def history(file):
     return dict(zip(names, values.T, strict=True))
 
 
-@pytest.mark.parametrize("case", TINY, ids=lambda case: case.name)
+TIERS = [case if case.name in ("slab_1", "fragments") else slow(case) for case in TINY]
+
+
+@pytest.mark.parametrize("case", TIERS, ids=lambda case: case.name)
 def test_scene_runs_to_its_end(case, tmp_path):
     """Books closed, gas sound, and the bodies have felt the load."""
     run(case, tmp_path / "out", "--backend", "cpu")
@@ -69,18 +73,18 @@ def test_every_size_that_is_told_exists():
 
 def test_campaign_goes_on_where_it_stopped(tmp_path):
     """Stopped by a file, then the same command again; a third time nothing is to do."""
-    command = [sys.executable, ROOT / "scripts" / "paper.py", "tiny", "hvi_0600"]
+    command = [sys.executable, ROOT / "scripts" / "paper.py", "tiny", "slab_1"]
     command += ["--out", tmp_path, "--brisance", BRISANCE, "--backend", "cpu"]
     folder = tmp_path / "tiny"
-    (case,) = paper.cases("tiny", ["hvi_0600"])
+    (case,) = paper.cases("tiny", ["slab_1"])
     (folder / case.name).mkdir(parents=True)
-    (folder / case.name / "hvi.stop").touch()
+    (folder / case.name / f"{case.deck.stem}.stop").touch()
     run(case, folder / case.name, "--backend", "cpu", code=75)
     for _ in range(2):
         done = subprocess.run(command, capture_output=True, text=True, timeout=600)
         assert done.returncode == 0, done.stdout + done.stderr
         assert "done" in done.stdout
-    assert (folder / "hvi_0600.log").read_text(encoding="utf-8").count("$ ") == 2
+    assert (folder / "slab_1.log").read_text(encoding="utf-8").count("$ ") == 2
 
 
 def test_each_gpu_takes_the_longest_case_that_waits(tmp_path, monkeypatch, capsys):

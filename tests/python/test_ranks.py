@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import pyvista
 from test_run import BRISANCE, ROOT, arrays, history
+from tiers import slow
 
 from post.errors import PostError
 from post.reader import Run
@@ -156,7 +157,7 @@ def equal_air(one, other):
 
 
 @needs_mpirun
-@pytest.mark.parametrize("n", [1, 2, 3, 4])
+@pytest.mark.parametrize("n", [1, slow(2), 3, slow(4)])
 def test_results_do_not_depend_on_processes(n, alone, tmp_path):
     done = go(n, AIR, tmp_path)
     assert done.stdout.count("results    out") == 1
@@ -215,7 +216,7 @@ def test_what_comes_in_does_not_depend_on_processes_or_pieces(tmp_path):
 
 
 @needs_mpirun
-@pytest.mark.parametrize("n", [0, 2, 3, 4])
+@pytest.mark.parametrize("n", [0, slow(2), 3, slow(4)])
 def test_any_number_of_processes_goes_on(n, alone, tmp_path):
     (tmp_path / "deck.nml").write_text(AIR)
     done = start(n, "run", "deck.nml", "--out", "out", "--set", "run.max_steps=20", cwd=tmp_path)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from test_ranks import BALL, MATERIALS, equal_bodies, go, needs_mpirun, start
 from test_run import arrays, history
+from tiers import slow
 
 MEETING = f"""\
 &run title = 'meeting', t_end = 8e-6, symmetry = 'y', energy_band = 0.5 /
@@ -69,7 +70,7 @@ def bodies_alone(tmp_path_factory):
 
 @needs_mpirun
 @pytest.mark.parametrize("name", SCENES)
-@pytest.mark.parametrize("n", [2, 3, 4])
+@pytest.mark.parametrize("n", [slow(2), 3, slow(4)])
 def test_bodies_do_not_depend_on_processes(n, name, bodies_alone, tmp_path):
     done = go(n, SCENES[name], tmp_path)
     assert "the most particles over the mean" in done.stdout
@@ -78,7 +79,7 @@ def test_bodies_do_not_depend_on_processes(n, name, bodies_alone, tmp_path):
 
 @needs_mpirun
 @pytest.mark.parametrize("name", SCENES)
-@pytest.mark.parametrize(("n", "m"), [(0, 3), (2, 0), (4, 3)])
+@pytest.mark.parametrize(("n", "m"), [(0, 3), (2, 0), slow(4, 3)])
 def test_bodies_go_on_on_other_processes(n, m, name, bodies_alone, tmp_path):
     (tmp_path / "deck.nml").write_text(SCENES[name])
     done = start(n, "run", "deck.nml", "--out", "out", "--set", "run.max_steps=50", cwd=tmp_path)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from test_ranks import equal_air, go, in_two, needs_mpirun, start
 from test_run import ROOT, arrays, history
+from tiers import slow
 
 HEAD = """\
 &run title = 'pelted', t_end = 6e-5, energy_band = 0.5 /
@@ -125,7 +126,9 @@ def equal_runs(one, other, sums=()):
 
 
 @needs_mpirun
-@pytest.mark.parametrize(("seed", "n"), itertools.product((1, 2), (2, 3, 4)))
+@pytest.mark.parametrize(
+    ("seed", "n"), [(1, 3), (2, 3), *(slow(seed, n) for seed in (1, 2) for n in (2, 4))]
+)
 def test_bodies_in_air_do_not_depend_on_processes(seed, n, alone, tmp_path):
     go(n, pelted(seed), tmp_path)
     equal_runs(alone[seed], tmp_path / "out")
@@ -183,7 +186,7 @@ FLYING_IN = """\
 
 
 @needs_mpirun
-@pytest.mark.parametrize("n", [2, 3])
+@pytest.mark.parametrize("n", [slow(2), 3])
 def test_bodies_that_fly_into_the_air_do_not_depend_on_processes(n, tmp_path):
     """They drift through many cells without new lists; each part is a guest as soon as it is in."""
     go(0, FLYING_IN, tmp_path, out="one")
@@ -192,7 +195,7 @@ def test_bodies_that_fly_into_the_air_do_not_depend_on_processes(n, tmp_path):
 
 
 @needs_mpirun
-@pytest.mark.parametrize(("n", "m"), [(0, 3), (2, 0), (4, 2)])
+@pytest.mark.parametrize(("n", "m"), [(0, 3), (2, 0), slow(4, 2)])
 def test_bodies_in_air_go_on_on_other_processes(n, m, alone, tmp_path):
     (tmp_path / "deck.nml").write_text(pelted(1))
     done = start(n, "run", "deck.nml", "--out", "out", "--set", "run.max_steps=25", cwd=tmp_path)
@@ -228,6 +231,7 @@ COARSE = ["air.cells=16,16,60", "body(plate).spacing=4.2e-3",
           "run.t_end=2e-4", "output.dump_every=5e-5"]  # fmt: skip
 
 
+@pytest.mark.slow
 @needs_mpirun
 def test_the_demo_is_the_same_on_processes(tmp_path):
     """Coarse, until the plate has got its blow."""

@@ -8,6 +8,7 @@ import pytest
 from test_gpu import EMULATOR, stamp
 from test_ranks import equal_bodies, needs_mpirun, start
 from test_run import arrays, history
+from tiers import slow
 
 GLUED = """\
 &run title = 'glued', t_end = 2.1e-6, energy_band = 1 /
@@ -75,7 +76,7 @@ def equal_glued(one, other):
 
 
 @needs_mpirun
-@pytest.mark.parametrize("n", [2, 4])
+@pytest.mark.parametrize("n", [2, slow(4)])
 def test_interfaces_do_not_depend_on_processes(n, alone, tmp_path):
     backend, one, said = alone
     assert broken(go(n, tmp_path, "out", backend)) == said

@@ -23,6 +23,7 @@ from test_ranks_bodies import MEETING
 from test_ranks_coupled import equal_runs, pelted, wrapped
 from test_ranks_loads import LOADED, LOST, TORN
 from test_run import BRISANCE, arrays, history
+from tiers import slow
 
 
 @pytest.fixture(name="gpu", scope="module")
@@ -54,7 +55,7 @@ def rows(path):
 
 
 @needs_mpirun
-@pytest.mark.parametrize("n", [1, 2, 4])
+@pytest.mark.parametrize("n", [1, 2, slow(4)])
 def test_air_does_not_depend_on_gpus(n, gpu, alone, tmp_path):
     done = go(n, tmp_path, gpu, BRISANCE_EMULATOR_DEVICES="4")
     assert done.returncode == 0, done.stderr
@@ -66,7 +67,7 @@ def test_air_does_not_depend_on_gpus(n, gpu, alone, tmp_path):
 
 
 @needs_mpirun
-@pytest.mark.parametrize(("n", "m"), [(0, 2), (2, 0), (2, 3), (4, 2)])
+@pytest.mark.parametrize(("n", "m"), [(0, 2), (2, 0), slow(2, 3), slow(4, 2)])
 def test_other_gpus_go_on(n, m, gpu, alone, tmp_path):
     """The state has the same bits; what has left through the boundaries is added up anew."""
     done = go(n, tmp_path, gpu, "--set", "run.max_steps=20")
@@ -196,7 +197,7 @@ def _bodies(gpu, tmp_path_factory):
 
 
 @needs_mpirun
-@pytest.mark.parametrize("n", [2, 4])
+@pytest.mark.parametrize("n", [2, slow(4)])
 def test_bodies_do_not_depend_on_gpus(n, gpu, bodies, tmp_path):
     done = go(n, tmp_path, gpu, deck=APART, BRISANCE_EMULATOR_DEVICES="4")
     assert done.returncode == 0, done.stderr
@@ -236,7 +237,7 @@ def _met(request, gpu, tmp_path_factory):
 
 
 @needs_mpirun
-@pytest.mark.parametrize(("n", "m"), [(2, None), (4, None), (3, 2)])
+@pytest.mark.parametrize(("n", "m"), [(2, None), slow(4, None), (3, 2)])
 def test_bodies_that_meet_and_are_loaded_do_not_depend_on_gpus(n, m, gpu, met, tmp_path):
     deck, alone = met
     more = () if m is None else ("--set", "run.max_steps=18")
@@ -299,7 +300,7 @@ def _pelted_alone(gpu, tmp_path_factory):
 
 
 @needs_mpirun
-@pytest.mark.parametrize(("n", "m"), [(2, None), (4, None), (4, 3)])
+@pytest.mark.parametrize(("n", "m"), [(2, None), slow(4, None), slow(4, 3)])
 def test_bodies_in_air_do_not_depend_on_gpus(n, m, gpu, pelted_alone, tmp_path):
     """Cells change hands, and debts lie beside boxes; after a restart outflow is to rounding. By
     the host, too."""
@@ -355,6 +356,7 @@ ACROSS = """\
 """
 
 
+@pytest.mark.slow
 @needs_mpirun
 def test_a_body_flies_from_one_gpu_to_the_next(gpu, tmp_path):
     """The driver guards its memory, and dumps hold walls that others' cells have changed."""

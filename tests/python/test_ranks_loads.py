@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from test_ranks import MATERIALS, equal_bodies, go, in_two, needs_mpirun, start
 from test_run import arrays, history
+from tiers import slow
 
 # A blast on a plate at a plane of symmetry, a history on all sides of a block that
 # turns, a rigid body that is pressed and pushed, a bar that is driven and pressed where it is held.
@@ -43,14 +44,14 @@ def alone(tmp_path_factory):
 
 
 @needs_mpirun
-@pytest.mark.parametrize("n", [2, 3, 4])
+@pytest.mark.parametrize("n", [slow(2), 3, slow(4)])
 def test_loads_do_not_depend_on_processes(n, alone, tmp_path):
     go(n, LOADED, tmp_path)
     equal_bodies(alone, tmp_path / "out")
 
 
 @needs_mpirun
-@pytest.mark.parametrize(("n", "m"), [(0, 2), (3, 0), (2, 4)])
+@pytest.mark.parametrize(("n", "m"), [(0, 2), (3, 0), slow(2, 4)])
 def test_loaded_bodies_go_on_on_other_processes(n, m, alone, tmp_path):
     (tmp_path / "deck.nml").write_text(LOADED)
     in_two(n, m, 15, tmp_path)
@@ -153,7 +154,7 @@ def met(tmp_path_factory):
 
 
 @needs_mpirun
-@pytest.mark.parametrize("n", [1, 2, 4])
+@pytest.mark.parametrize("n", [1, 2, slow(4)])
 def test_forces_on_bodies_do_not_depend_on_processes(n, met, tmp_path):
     go(n, MET, tmp_path)
     assert (tmp_path / "out/gauges.csv").read_text() == met

@@ -11,6 +11,7 @@ import pytest
 from notes import note
 from test_gauges import gauges, whole
 from test_loads import BRISANCE, STEEL, run
+from tiers import slow
 
 YOUNG, NU, RHO = 200e9, 0.3, 7800.0
 SHEAR = YOUNG / 2 / (1 + NU)
@@ -63,7 +64,7 @@ def test_beam_on_rollers_under_its_weight(tmp_path):
     assert -g["f"][period].mean() == pytest.approx(weight, rel=0.02)
 
 
-@pytest.mark.parametrize(("layers", "bound"), [(3, 0.08), (5, 0.02)])
+@pytest.mark.parametrize(("layers", "bound"), [(3, 0.08), slow(5, 0.02)])
 def test_first_period_of_a_plate_on_rollers(tmp_path, layers, bound):
     """A square plate, simply supported on lines in its middle layer: time to its largest deflection
     after a push against half the first period of a thick plate (Mindlin). What rollers hold is a
