@@ -282,6 +282,7 @@ def fake_pfunit(folder, name, project):
     return folder
 
 
+@pytest.mark.slow
 def test_another_pfunit_is_not_the_one_before(project):
     (project / "tests/unit").mkdir()
     (project / "tests/unit/test_small.pf").write_text(SMALL_TEST)

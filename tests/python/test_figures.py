@@ -45,6 +45,16 @@ def test_rounded_figures_agree(tmp_path):
     assert figures(tmp_path) == (0, "6 figures in tables are those of the tests\n")
 
 
+def test_what_slow_tests_measure_may_be_missing(tmp_path):
+    """With --some alone; extremes are those of all tests."""
+    few = "error,0.0014961\norder,0.9764\nspeed_1,0.2\n"
+    told = "2 figures in tables are those of the tests\n"
+    assert figures(tmp_path, PAGE, few, "--some") == (0, told)
+    assert figures(tmp_path, PAGE, few)[0] == 1
+    assert figures(tmp_path, PAGE.replace("0.98", "0.97"), few, "--some")[0] == 1
+    assert "new stands in no table" in figures(tmp_path, PAGE, few + "new,1\n", "--some")[1]
+
+
 WRONG = [
     (("1.50e-3", "1.51e-3"), 5, "error is 1.51e-3 in the table, measured 0.0014961: 1.50e-3"),
     (("0.98", "0.97"), 5, "order is 0.97"),

@@ -11,6 +11,7 @@ from test_gpu import same, stamp
 from test_halves import equal
 from test_loads import run
 from test_ranks import equal_air, go, needs_mpirun
+from tiers import slow
 
 HEAD = """\
 &run t_end={t}, dimension={dimension}, energy_band=1 {planes} /
@@ -181,11 +182,12 @@ def test_balls_in_the_corner_of_planes(tmp_path, planes):
 
 
 @needs_mpirun
+@pytest.mark.parametrize("numbers", [(0, 3), slow((0, 2, 4))])
 @pytest.mark.parametrize("name", ["gap closes", "discs at a corner"])
-def test_several_processes_share_what_planes_cut(tmp_path, name):
+def test_several_processes_share_what_planes_cut(tmp_path, name, numbers):
     planes, things, t = SCENES[name]
     *_, part = decks(planes, things, t / 2, side=60)
-    for n in (0, 2, 3, 4):
+    for n in numbers:
         go(n, part, tmp_path, out=f"out{n}")
         alone, together = (tmp_path / f"out{m}" for m in (0, n))
         assert (alone / "gauges.csv").read_text() == (together / "gauges.csv").read_text(), n

@@ -10,6 +10,7 @@ from test_gpu import EMULATOR, follows_the_cpu
 from test_loads import BRISANCE, run
 from test_ranks import equal_bodies, in_two, needs_mpirun, start
 from test_run import history
+from tiers import slow
 
 STEEL = """\
 &material id='s', model='linear_elastic', density=7800, youngs_modulus=200e9, poisson_ratio=0.3 /
@@ -193,7 +194,7 @@ def _alone(tmp_path_factory):
 
 
 @needs_mpirun
-@pytest.mark.parametrize("n", [2, 4])
+@pytest.mark.parametrize("n", [3, slow(2), slow(4)])
 def test_motions_do_not_depend_on_processes(n, alone, tmp_path):
     (tmp_path / "deck.nml").write_text(MOVED)
     done = start(n, "run", "deck.nml", "--out", "out", cwd=tmp_path)
@@ -203,7 +204,7 @@ def test_motions_do_not_depend_on_processes(n, alone, tmp_path):
 
 
 @needs_mpirun
-@pytest.mark.parametrize(("n", "m"), [(0, 0), (2, 0), (0, 4)])
+@pytest.mark.parametrize(("n", "m"), [(2, 0), slow(0, 0), slow(0, 4)])
 def test_motions_go_on_after_a_restart(n, m, alone, tmp_path):
     (tmp_path / "deck.nml").write_text(MOVED)
     in_two(n, m, 90, tmp_path)

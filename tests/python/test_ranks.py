@@ -180,10 +180,11 @@ SHORT = {
 
 
 @needs_mpirun
+@pytest.mark.parametrize("numbers", [(0, 3), slow((0, 2, 4))])
 @pytest.mark.parametrize("name", SHORT)
-def test_decks_of_the_program_give_the_same(name, tmp_path):
+def test_decks_of_the_program_give_the_same(name, numbers, tmp_path):
     changes = [word for change in SHORT[name] for word in ("--set", change)]
-    for n in (0, 2, 4):
+    for n in numbers:
         done = start(n, "run", ROOT / f"inputs/{name}.nml", "--out", tmp_path / str(n), *changes)
         assert done.returncode == 0, done.stderr
         if n > 0:
@@ -202,9 +203,10 @@ BLOWN = """\
 
 
 @needs_mpirun
-def test_what_comes_in_does_not_depend_on_processes_or_pieces(tmp_path):
+@pytest.mark.parametrize("numbers", [(0, 3), slow((0, 2, 4))])
+def test_what_comes_in_does_not_depend_on_processes_or_pieces(numbers, tmp_path):
     (tmp_path / "deck.nml").write_text(BLOWN)
-    for n in (0, 2, 4):
+    for n in numbers:
         done = start(n, "run", "deck.nml", "--out", str(n), cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         equal_results(tmp_path / "0", tmp_path / str(n))
