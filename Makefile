@@ -57,12 +57,12 @@ MIRRORED := $(shell grep -ls '^ *!@mirror' $(SRC))
 REWRITTEN := $(VARIANTS) $(FOREIGN)
 STEPS := $(filter %_steps.f90,$(SRC))
 LOOPS := $(addprefix $(MADE)/,$(notdir $(REWRITTEN))) $(patsubst %,$(MADE)/gpu_%,$(notdir $(STEPS) $(MIRRORED))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
-         $(if $(MODELS),$(MADE)/model_list.f90)
+         $(if $(MODELS),$(MADE)/model_list.f90 $(MADE)/flow_list.f90)
 OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN) $(REWRITTEN),$(SRC)) $(LOOPS))) $(B)/obj/version.o $(B)/obj/presets.o \
         $(if $(COVERAGE),$(B)/obj/tests/coverage.o)
 LIB  := $(B)/brisance.o
 KERNELS := $(CUDA) $(ITEM_NAMES:%=$(MADE)/%_kernels.CUF) $(VARIED:%=$(MADE)/%_variants.CUF) \
-           $(MADE)/model_kernels.CUF $(MADE)/model_list.f90
+           $(MADE)/model_kernels.CUF $(MADE)/model_list.f90 $(MADE)/flow_list.f90
 PARTS_OF_KERNELS := $(wildcard cuda/*.ll)
 PTX  := $(BIN).ptx
 # what the GPU code is made from; the executable refuses a PTX file of other sources
@@ -107,7 +107,7 @@ $(MADE)/heads: $(ITEMS)
 	@awk 'FNR == 1 {print FILENAME} /!@item/ {on = 1} /^ *$$/ {on = 0} on' $^ | $(SAVE) $@
 $(foreach f,$(STEPS),$(eval $(MADE)/gpu_$(notdir $f): $f $(MADE)/heads scripts/steps.py scripts/item_heads.py ; \
     @mkdir -p $(MADE) && scripts/steps.py $$< $$@))
-$(MADE)/model_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py
+$(MADE)/model_list.f90 $(MADE)/flow_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py
 	@mkdir -p $(MADE) && scripts/models.py $(MADE) $(MODELS)
 $(B)/obj/%.o: %.f90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
@@ -239,8 +239,8 @@ figures: ## are the figures in the tables of docs those of the tests? (after ver
 check-docs: all ## is docs/deck_reference.md what the program says?
 	@if [ -x $(BIN) ]; then $(BIN) --describe --markdown | diff -u docs/deck_reference.md -; \
 	else echo 'skipped: there is no $(BIN)'; fi
-gpu-check: $(MADE)/model_list.f90 ## compile all point physics as CUDA Fortran for the GPU, in mixed precision (make gpu compiles the other)
-	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC) $<
+gpu-check: $(MADE)/model_list.f90 $(MADE)/flow_list.f90 ## compile all point physics as CUDA Fortran for the GPU, in mixed precision (make gpu compiles the other)
+	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC) $^
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
 SCANNED = $(filter-out $(REWRITTEN),$(SRC)) $(LOOPS) $(wildcard tests/gpu/bench_*.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \

@@ -2,16 +2,19 @@
 # SPDX-License-Identifier: MIT
 """Write the registry of the material models, and their kernels; docs/extending.md says how.
 
-usage: models.py OUTDIR FILE...    (model_list.f90, model_kernels.CUF)
+usage: models.py OUTDIR FILE...    (model_list.f90, flow_list.f90, model_kernels.CUF)
 
 A model is a file NAME.f90 with `integer, parameter :: NAME = CODE !! code of the model`,
 `describe_NAME`, `update_NAME`, and `model%n_hist = ...` where it has a history: a number, or names
-of of constants of the file or of those beside it that it uses.
+of constants of the file or of those beside it that it uses. A metal of von Mises has `flow_NAME` in
+place of `update_NAME`, its flow stress, and `heat_NAME` where that takes something else than the
+temperature: src/materials/metal.f90.
 """
 
 import re
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 CODE = re.compile(r"^ *integer, parameter :: (\w+) = (\d+) !! code of the model", re.M)
 CONSTANTS = re.compile(r"^ *integer, parameter(?:, public)? :: ((?:[^!\n]|& *\n)+)", re.M)
@@ -23,15 +26,31 @@ def constants(text):
     return dict(x for line in lines for x in re.findall(r"(\w+) *= *([\w+* -]+)", line))
 
 
+class Model(NamedTuple):
+    code: int
+    name: str
+    update: str  # arguments, of a metal as well
+    slots: int  # most history variables
+    flow: str  # arguments of the flow stress of a metal, "" of others
+    heat: bool  # has a heat_NAME
+
+    def warm(self):
+        """Whether it is a metal that feels heat."""
+        return bool(self.flow) and self.slots > 1
+
+
 def model_of(path):
-    """(code, name, arguments of its update, most history variables), or None."""
+    """The model of a file, or None."""
     text = path.read_text(encoding="utf-8")
     if not (found := CODE.search(text)):
         return None
     name = found[1]
-    given = re.search(rf"^ *pure subroutine update_{name}\(([^)]*)\)", text, re.M)
-    if not given:
-        sys.exit(f"{path}: no 'pure subroutine update_{name}'")
+    update, flow = (
+        re.search(rf"^ *pure subroutine {what}_{name}\(([^)]*)\)", text, re.M)
+        for what in ("update", "flow")
+    )
+    if not update and not flow:
+        sys.exit(f"{path}: no 'pure subroutine update_{name}' nor flow_{name}")
     known = {}
     for used in re.findall(r"^ *use brz_(\w+)", text, re.M):
         if (beside := path.with_name(f"{used}.f90")).exists():
@@ -43,12 +62,21 @@ def model_of(path):
         if names[0] not in known:
             sys.exit(f"{path}: {names[0]} of model%n_hist is no constant that is known")
         slots = re.sub(rf"\b{names[0]}\b", f"({known[names[0]]})", slots)
-    return int(found[2]), name, given[1], eval(slots)  # numbers and + - * alone are left
+    slots = eval(slots)  # numbers and + - * alone are left
+    heat = bool(re.search(rf"^ *pure function heat_{name}\(", text, re.M))
+    if flow:
+        update = f"{name}, material, dt, l, point, status"
+    return Model(int(found[2]), name, update if flow else update[1], slots, flow and flow[1], heat)
 
 
 def listed(models):
     """The module that names, describes and dispatches them."""
-    lines = [f"    use brz_{x}, only: {x}, describe_{x}, update_{x}" for _, x, _, _ in models]
+    lines = [
+        f"    use brz_{m.name}, only: {m.name}, describe_{m.name}"
+        + ("" if m.flow else f", update_{m.name}")
+        for m in models
+    ]
+    lines += ["    use brz_metal, only: update_metal"] if any(m.flow for m in models) else []
     lines += [
         "    use brz_kinds, only: rk",
         "    use brz_material, only: material_t, material_unknown, point_t",
@@ -65,7 +93,7 @@ def listed(models):
         "",
         f"        allocate (models({len(models)}))",
     ]
-    lines += [f"        call describe_{x}(models({k}))" for k, (_, x, _, _) in enumerate(models, 1)]
+    lines += [f"        call describe_{m.name}(models({k}))" for k, m in enumerate(models, 1)]
     lines += [
         "    end subroutine list_models",
         "",
@@ -80,7 +108,9 @@ def listed(models):
         "",
         "        select case (model)",
     ]
-    lines += [f"        case ({x}); call update_{x}({given})" for _, x, given, _ in models]
+    for m in models:
+        lines += [f"        case ({m.name})"]
+        lines += [f"            call update_{'metal' if m.flow else m.name}({m.update})"]
     lines += [
         "        case default; status = material_unknown",
         "        end select",
@@ -96,16 +126,84 @@ def listed(models):
         "        slots = 0",
         "        select case (model)",
     ]
-    for _, x, _, slots in models:
-        lines += [f"        case ({x})", f"            name = 'update_by_{x}'"]
-        lines += [f"            slots = {slots}"]
+    for m in models:
+        lines += [f"        case ({m.name})", f"            name = 'update_by_{m.name}'"]
+        lines += [f"            slots = {m.slots}"]
     lines += ["        end select", "    end subroutine find_kernel_of"]
+    return lines
+
+
+def flows(metals):
+    """The module that dispatches the flow stresses of the metals, for brz_metal."""
+    lines = [
+        f"    use brz_{m.name}, only: {m.name}, flow_{m.name}"
+        + (f", heat_{m.name}" if m.heat else "")
+        for m in metals
+    ]
+    lines += [
+        "    use brz_kinds, only: rk",
+        "    use brz_material, only: n_par",
+        "    implicit none",
+        "    private",
+        "    public :: flow_of, heat_of, feels_heat",
+        "",
+        "contains",
+        "",
+        "    !> Flow stress [Pa] and its slopes.",
+        "    !@cuf attributes(host,device) &",
+        "    pure subroutine flow_of(model, par, strain, rate, heat, y, slope, by_rate)",
+        "        integer, intent(in) :: model !! code",
+        "        real(rk), intent(in) :: par(n_par), strain, rate, heat !! plastic; heat_of",
+        "        real(rk), intent(out) :: y, slope, by_rate !! [Pa], per strain, per rate",
+        "",
+        "        select case (model)",
+    ]
+    for m in metals:
+        lines += [f"        case ({m.name})", f"            call flow_{m.name}({m.flow})"]
+    lines += [
+        "        case default",
+        "            y = 0",
+        "            slope = 0",
+        "            by_rate = 0",
+        "        end select",
+        "    end subroutine flow_of",
+        "",
+        "    !> What a flow stress takes of heat: the temperature, or what a metal makes of T*.",
+        "    !@cuf attributes(host,device) &",
+        "    pure function heat_of(model, par, hot, temperature) result(heat)",
+        "        integer, intent(in) :: model !! code",
+        "        real(rk), intent(in) :: par(n_par), hot, temperature !! T*, [K]",
+        "        real(rk) :: heat",
+        "",
+        "        select case (model)",
+    ]
+    for m in metals:
+        value = f"heat_{m.name}(par, hot)" if m.heat else "temperature"
+        if m.warm():
+            lines += [f"        case ({m.name})", f"            heat = {value}"]
+    warm = " .or. ".join(f"model == {m.name}" for m in metals if m.warm()) or ".false."
+    lines += [
+        "        case default",
+        "            heat = 0",
+        "        end select",
+        "    end function heat_of",
+        "",
+        "    !> Whether a metal has a temperature.",
+        "    !@cuf attributes(host,device) &",
+        "    pure function feels_heat(model) result(yes)",
+        "        integer, intent(in) :: model !! code",
+        "        logical :: yes",
+        "",
+        f"        yes = {warm}",
+        "    end function feels_heat",
+    ]
     return lines
 
 
 def kernels(models):
     """One kernel for each model: a kernel for all would need the registers of the largest."""
-    lines = [f"    use brz_{x}, only: {x}" for _, x, _, _ in models]
+    names = [m.name for m in models]
+    lines = [f"    use brz_{x}, only: {x}" for x in names]
     lines += [
         "    use brz_gpu_solid_layout, only: body_gpu_t",
         "    use brz_kinds, only: dp, int32, rk",
@@ -113,11 +211,11 @@ def kernels(models):
         "    use brz_solid_material_kernels, only: advance_point",
         "    implicit none",
         "    private",
-        *(f"    public :: update_by_{x}" for _, x, _, _ in models),
+        *(f"    public :: update_by_{x}" for x in names),
         "",
         "contains",
     ]
-    for _, x, _, slots in models:
+    for x, slots in ((m.name, m.slots) for m in models):
         lines += [
             "",
             f"    attributes(global) subroutine update_by_{x}(n, dt, body, material, grad, &",
@@ -149,11 +247,12 @@ def write(path, lines):
 def main():
     folder = Path(sys.argv[1])
     models = sorted(m for m in map(model_of, map(Path, sys.argv[2:])) if m)
-    codes = {code for code, *_ in models}
+    codes = {m.code for m in models}
     if len(codes) < len(models):
         free = next(c for c in range(1, len(models) + 1) if c not in codes)
         sys.exit(f"models.py: two material models have the same code; {free} is free")
     write(folder / "model_list.f90", listed(models))
+    write(folder / "flow_list.f90", flows([m for m in models if m.flow]))
     write(folder / "model_kernels.CUF", kernels(models))
 
 

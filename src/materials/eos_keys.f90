@@ -118,10 +118,11 @@ contains
     end subroutine polynomial_block
 
     !> Block of the equation that the deck chooses; keys of another one are refused.
-    subroutine chosen_block(par, given, first, block, fault)
+    subroutine chosen_block(density, par, given, first, block, fault)
+        real(rk), intent(in) :: density !! unloaded [kg/m3]
         real(rk), intent(in) :: par(n_par)
         logical, intent(in) :: given(:)
-        integer, intent(in) :: first !! slot of the key `eos`; the density is in slot 1
+        integer, intent(in) :: first !! slot of the key `eos`
         real(rk), intent(out) :: block(n_block)
         character(:), allocatable, intent(inout) :: fault
         integer :: g, p
@@ -135,11 +136,11 @@ contains
                 fault = "eos='gruneisen' needs sound_speed, s1 and gruneisen_gamma"
             if (any(given(p:p + n_polynomial - 1))) fault = "eos='gruneisen' takes no "// &
                 'bulk_modulus, a2, a3, b0, b1, t1, t2'
-            if (.not. allocated(fault)) block = gruneisen_block(par(1), par(g:p - 1))
+            if (.not. allocated(fault)) block = gruneisen_block(density, par(g:p - 1))
         case (eos_polynomial)
             if (.not. given(p)) fault = "eos='polynomial' needs bulk_modulus"
             call refuse_gruneisen('polynomial', given(g:p - 1), fault)
-            if (.not. allocated(fault)) call polynomial_block(par(1), &
+            if (.not. allocated(fault)) call polynomial_block(density, &
                 par(p:p + n_polynomial - 1), given(p + 5), block, fault)
         case default
             if (.not. given(p)) fault = "eos='linear' needs bulk_modulus"
@@ -147,7 +148,7 @@ contains
             if (any(given(p + 1:p + n_polynomial - 1))) fault = "eos='linear' takes no "// &
                 'a2, a3, b0, b1, t1, t2'
             block(k_kind) = eos_linear
-            block(k_density) = par(1)
+            block(k_density) = density
             block(k_a1) = par(p)
         end select
     end subroutine chosen_block

@@ -15,8 +15,7 @@ module brz_isotropic
     use brz_mie_gruneisen, only: pressure_step
     implicit none
     private
-    public :: step_t, set_linear, begin_step, end_step, fail_step, refine_root, no_cutoff, &
-        on_surface
+    public :: step_t, set_linear, begin_step, end_step, fail_step, no_cutoff, on_surface
 
     real(rk), parameter :: no_cutoff = -1e15_rk !! least pressure where tension has no limit [Pa]
     !> A returned stress that is off the yield stress by this part of it is good enough.
@@ -154,20 +153,4 @@ contains
         point%c_bulk = sqrt(k/material%density)
         point%c_wave = sqrt((k + 4*material%shear/(3*spread))/material%density)
     end subroutine wave_speeds
-
-    !> One pass of Newton's method for a falling function, kept inside its bracket by bisection.
-    !@cuf attributes(host,device) &
-    pure subroutine refine_root(f, slope, low, high, x)
-        real(rk), intent(in) :: f, slope !! at x; the slope is negative
-        real(rk), intent(inout) :: low, high !! f(low) > 0 >= f(high)
-        real(rk), intent(inout) :: x !! next guess out
-
-        if (f > 0) then
-            low = x
-        else
-            high = x
-        end if
-        x = x - f/slope
-        if (.not. (x > low .and. x < high)) x = (low + high)/2
-    end subroutine refine_root
 end module brz_isotropic

@@ -1,14 +1,15 @@
 ! SPDX-License-Identifier: MIT
 !> How a material model presents itself: its table of keys, its history, and what it derives.
 !>
-!> Key i of the table fills slot i of `material%par`: a number as it is, a logical as 0 or 1, a
-!> text as its place among the choices, 0 for a key that is absent. A model names its slots.
+!> Key i of the table fills slot i of `material%par`, or that of `slots(i)`: a number as it is, a
+!> logical as 0 or 1, a text as its place among the choices, 0 for a key that is absent. A model
+!> names its slots.
 module brz_model
     use brz_kinds, only: dp, rk
     use brz_case, only: material_case_t, label
     use brz_errors, only: error_t, raise, exit_deck
     use brz_key, only: key_t, kind_text, kind_logical, required, none
-    use brz_material, only: material_t, point_t, n_hist
+    use brz_material, only: material_t, point_t, n_hist, n_par
     use brz_text, only: string_t
     implicit none
     private
@@ -27,6 +28,7 @@ module brz_model
         integer :: class = 0 !! what the material does when it is strained far, see brz_material
         character(24) :: name = '' !! what the deck calls it
         type(key_t), allocatable :: keys(:)
+        integer, allocatable :: slots(:) !! of `par` that the keys fill; absent: 1, 2, ...
         integer :: n_hist = 0 !! history in use
         character(32) :: history(n_hist) = '' !! names of the slots worth a dump, '' for the others
         character(12) :: history_unit(n_hist) = '-'
@@ -42,7 +44,7 @@ module brz_model
         subroutine derive_i(material, given, fault)
             import :: material_t
             type(material_t), intent(inout) :: material
-            logical, intent(in) :: given(:) !! key i stands in the deck
+            logical, intent(in) :: given(:) !! the key of slot i stands in the deck
             character(:), allocatable, intent(out) :: fault !! unallocated if all is well
         end subroutine derive_i
 
@@ -134,16 +136,19 @@ contains
         type(material_t), intent(inout) :: material
         type(error_t), intent(inout) :: err
         character(:), allocatable :: fault
-        logical :: given(size(model%keys))
-        integer :: i, j
+        logical :: given(n_par)
+        integer :: i, j, slot
 
         material%model = model%code
         material%class = model%class
         material%n_hist = model%n_hist
         material%yields = 0
+        given = .false.
         do i = 1, size(model%keys)
             j = place_of(model%keys(i)%key, input)
-            call load_one(model%keys(i), input, j, material%par(i), given(i), fault)
+            slot = i
+            if (allocated(model%slots)) slot = model%slots(i)
+            call load_one(model%keys(i), input, j, material%par(slot), given(slot), fault)
             if (allocated(fault)) exit
         end do
         if (.not. allocated(fault)) call model%derive(material, given, fault)

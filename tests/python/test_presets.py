@@ -95,6 +95,7 @@ def test_no_preset_has_gone():
         "hjc_48 hjc_44 hjc_40_scaled hjc_35_scaled al2024_paper steel_paper al2024 al6061 al1100"
     )
     wanted += " steel_4340 ofhc_copper armco_iron rebar cfrp_ud_paper cfrp_woven_paper cfrp_ud"
+    wanted += " mild_steel high_tensile_steel ofhc_copper_za armco_iron_za"
     wanted += " cfrp_woven tnt_jwl tnt_balloon concrete_48 concrete_40"
     assert set(wanted.split()) <= set(NAMES)
 
@@ -164,6 +165,8 @@ def test_a_key_of_the_deck_is_the_users(tmp_path):
         ("al2024", ", melt_temperature=502", "melt_temperature = 502.0 [K] is not plausible"),
         ("cfrp_ud", ", xt=2700", "xt = 2700.0 [Pa] is not plausible"),
         ("rebar", ", density=7.85", "density = 7.85 [kg/m3] is not plausible"),
+        ("mild_steel", ", yield_stress=250", "yield_stress = 250.0 [Pa] is not plausible"),
+        ("ofhc_copper_za", ", c0=65", "c0 = 65.0 [Pa] is not plausible"),
     ],
 )
 def test_an_implausible_constant_is_told(tmp_path, preset, more, words):

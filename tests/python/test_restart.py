@@ -122,6 +122,28 @@ ROUND_AND_SHARED = """\
 """
 
 
+METAL = """\
+&run t_end=4e-6, dimension=2 /
+&material id='s', preset={} /
+&body id='a', box=0,0.004,-0.002,0.002,0,1, spacing=5e-4, material='s', velocity=600,0,0 /
+&body id='b', box=0.0041,0.008,-0.002,0.002,0,1, spacing=5e-4, material='s' /
+&interaction law='contact' /
+"""
+
+
+@pytest.mark.parametrize("metal", ["'mild_steel', failure_strain=0.02",
+                                   "'ofhc_copper_za', heating='energy'",
+                                   "'armco_iron_za', d1=0.02, d5=1"])  # fmt: skip
+def test_metals_go_on_after_a_restart(metal, tmp_path):
+    """Plastic strain, temperature, energy on the isentrope and damage are kept."""
+    (tmp_path / "scene.nml").write_text(METAL.format(metal))
+    code, words = run(tmp_path, "--out", "whole")
+    assert code == 0, words
+    run(tmp_path, "--out", "parts", "--set", "run.max_steps=25")
+    run(tmp_path, "--out", "parts", "--restart", "latest")
+    assert state(tmp_path / "parts", 0) == state(tmp_path / "whole", 0)
+
+
 def test_wheels_and_shared_sums_go_on_after_a_restart(tmp_path):
     """The weights of a round surface are kept; who shares its sums follows from the state."""
     (tmp_path / "scene.nml").write_text(ROUND_AND_SHARED)

@@ -42,20 +42,30 @@ module taylor_bars
 
 contains
 
-    subroutine particle_bar(bar, form, across, shape, seen)
+    !> The same bar by Zerilli & Armstrong's law for copper where `za` holds c0, c2, c3, c4.
+    subroutine particle_bar(bar, form, across, shape, seen, za)
         type(bar_t), intent(in) :: bar
         type(form_t), intent(in) :: form
         integer, intent(in) :: across !! particles per radius
         type(remains_t), intent(out) :: shape
         type(solid_result_t), intent(out) :: seen
+        real(dp), intent(in), optional :: za(4)
         type(solid_scene_t) :: s
         type(solid_totals_t) :: t
 
-        call metal(s%case, 'johnson_cook', [character(24) :: 'density', 'shear_modulus', 'a', 'b', &
-                   'n', 'c', 'm', 'melt_temperature', 'specific_heat', 'sound_speed', 's1', &
-                   'gruneisen_gamma', 'gruneisen_a'], &
-                   [bar%density, bar%shear, bar%a, bar%b, bar%n, bar%c, bar%m, bar%melt, &
-                    bar%heat, bar%sound, bar%s1, bar%gamma, bar%first])
+        if (present(za)) then
+            call metal(s%case, 'zerilli_armstrong', [character(24) :: 'density', &
+                       'shear_modulus', 'c0', 'c2', 'c3', 'c4', 'melt_temperature', &
+                       'specific_heat', 'sound_speed', 's1', 'gruneisen_gamma', 'gruneisen_a'], &
+                       [bar%density, bar%shear, za, bar%melt, bar%heat, bar%sound, bar%s1, &
+                        bar%gamma, bar%first])
+        else
+            call metal(s%case, 'johnson_cook', [character(24) :: 'density', 'shear_modulus', &
+                       'a', 'b', 'n', 'c', 'm', 'melt_temperature', 'specific_heat', &
+                       'sound_speed', 's1', 'gruneisen_gamma', 'gruneisen_a'], &
+                       [bar%density, bar%shear, bar%a, bar%b, bar%n, bar%c, bar%m, bar%melt, &
+                        bar%heat, bar%sound, bar%s1, bar%gamma, bar%first])
+        end if
         call choose(s%case, form)
         s%case%run%dimension = 3
         s%case%run%symmetry = .true.

@@ -11,7 +11,7 @@ module taylor_elements
     use taylor_bars, only: bar_t, measure, remains_t
     implicit none
     private
-    public :: element_bar
+    public :: element_bar, za
 
     real(dp), parameter :: pi = acos(-1.0_dp), room = 293, heat_fraction = 0.9_dp, rate0 = 1
     real(dp), parameter :: corner(2, 4) = reshape([-1.0_dp, -1.0_dp, 1.0_dp, -1.0_dp, 1.0_dp, &
