@@ -25,6 +25,9 @@ program bench_material
         'shear_modulus=77e9, a=792e6, b=510e6, n=0.26, c=0.014, m=1.03, '// &
         'melt_temperature=1793, specific_heat=477, '// &
         'sound_speed=4569, s1=1.49, gruneisen_gamma=2.17, gruneisen_a=0.46'
+    character(*), parameter :: copper = "model='zerilli_armstrong', density=8960, "// &
+        'shear_modulus=46e9, melt_temperature=1356, specific_heat=383, sound_speed=3940, '// &
+        's1=1.489, gruneisen_gamma=2.02, gruneisen_a=0.47, c0=65e6, '
     character(*), parameter :: ply = "model='orthotropic_ply', density=1500, e1=55e9, e2=55e9, "// &
         'e3=7e9, nu12=0.25, nu13=0.25, nu23=0.25, g12=4.5e9, g13=1.8e9, g23=1.8e9, '// &
         'xt=680e6, xc=240e6, yt=680e6, yc=240e6, zt=60e6, s12=140e6, s13=140e6, s23=112e6'
@@ -47,6 +50,12 @@ program bench_material
                  'poisson_ratio=0.3, yield_stress=5e8, tangent_modulus=2e9')
     call measure('bilinear_j2, rate', "model='bilinear_j2', density=7850, youngs_modulus=2e11, "// &
                  'poisson_ratio=0.3, yield_stress=5e8, tangent_modulus=2e9, cowper_symonds_d=40.4')
+    call measure('cowper_symonds', "model='cowper_symonds', density=7850, "// &
+                 'youngs_modulus=2e11, poisson_ratio=0.3, yield_stress=5e8, '// &
+                 'tangent_modulus=2e9, d=40.4, q=5')
+    call measure('zerilli_armstrong', copper//'c2=890e6, c3=0.0028, c4=0.000115')
+    call measure('zerilli_armstrong, c1 c5', copper//'c1=1033e6, c3=0.00698, c4=0.000415, '// &
+                 'c5=266e6, n=0.289')
     call measure('johnson_cook', metal)
     call measure('johnson_cook, rate=total', metal//", rate='total'")
     call measure('johnson_cook, failure', metal//', d1=50, d2=3.44, d3=-2.12, d4=0.002, d5=0.61')
