@@ -345,6 +345,7 @@ def _counted(project):
     return project
 
 
+@pytest.mark.slow
 def test_lines_that_tests_run_are_counted(counted):
     """Tests end by _exit, where nothing is written unless it is asked for."""
     done = run("make", "-j2", "coverage", "COVERED=unit", cwd=counted)

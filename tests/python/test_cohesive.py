@@ -154,6 +154,7 @@ def arm_loads(folder):
     return both - second, second, energy
 
 
+@pytest.mark.slow
 def test_mixed_mode_bending(tmp_path):
     """Half of the energy by opening, half by shear: G = 12 P_I^2 (a + chi h)^2/(E' b^2 h^3) and
     G_II = 9 P_II^2 (a + 0.42 chi h)^2/(4 E' b^2 h^3), with P_I half of the difference of the loads
