@@ -148,6 +148,24 @@ def test_gauge_on_the_plate_gets_reflected_values(run):
     assert measure(run, gauge).peak == pytest.approx(6.8e6, rel=0.01)
 
 
+def test_an_overpressure_is_measured_as_its_pressure(tmp_path):
+    folder = write_small(tmp_path / "a", rows=300)
+    file, deck = folder / "gauges.csv", folder / "demo.echo.nml"
+    whole = Run(folder)
+    gauge = list_gauges(whole)[0]
+    head, *rows = file.read_text().splitlines()
+    ambient = whole.deck.ambient
+    cells = [[float(cell) for cell in row.split(",")] for row in rows]
+    over = [",".join(repr(x - ambient * (k == 1)) for k, x in enumerate(row)) for row in cells]
+    file.write_text("\n".join([head.replace("pressure", "overpressure", 1), *over]) + "\n")
+    deck.write_text(deck.read_text().replace("'pressure'", "'overpressure'", 1))
+    part = Run(folder)
+    assert list_gauges(part)[0].quantity == "overpressure"
+    found = measure(part, list_gauges(part)[0])
+    assert found.peak == pytest.approx(measure(whole, gauge).peak)
+    assert found.impulse == pytest.approx(measure(whole, gauge).impulse)
+
+
 def test_gauge_in_free_air_gets_incident_values(run):
     gauge = list_gauges(run)[1]
     expected = expect(run.deck, gauge)
