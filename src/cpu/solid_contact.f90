@@ -8,7 +8,7 @@ module brz_solid_contact
         press_particle, push_particle, sum_links
     use brz_kinds, only: dp, real32, rk
     use brz_link_rows, only: joined_of
-    use brz_solid_ghosts, only: refresh_motion, refresh_press
+    use brz_solid_ghosts, only: refresh_motion, refresh_press, refresh_rows
     use brz_solid_state, only: at_drag, at_stiff, n_terms, solid_t, worth_threads
     implicit none
     private
@@ -51,6 +51,7 @@ contains
             end do
         end do
         solid%dt_limit = limit
+        if (solid%links%faces) call refresh_rows(solid) ! with what contact brings by the faces
         call book(solid)
     end subroutine contact_pass
 
@@ -83,8 +84,8 @@ contains
         do i = 1, solid%n
             associate (s => solid, l => solid%links)
                 call sum_links(i, .true., l%lay, 0.0_rk, l%ends, l%table, l%cell, s%x, s%v, &
-                               s%mass, l%weight, l%bond, joined_of(l), l%row, l%slice(1:), &
-                               l%count(1:), l%list, now, before, freed)
+                               s%mass, l%weight, l%face, l%bond, joined_of(l), l%row, &
+                               l%slice(1:), l%count(1:), l%list, now, before, freed)
             end associate
             solid%links%touch(i) = max(solid%links%touch(i), &
                                        nearest(real(now(link_sum), real32), 1.0_real32))
@@ -100,8 +101,8 @@ contains
 
         associate (s => solid, l => solid%links)
             call press_particle(i, l%lay, dt, l%ends, l%table, l%cell, s%x, s%v, s%mass, l%weight, &
-                                l%bond, joined_of(l), l%row, l%slice(1:), l%count(1:), l%list, &
-                                l%touch(i), l%press(:, l%row(i)), lost)
+                                l%face, l%bond, joined_of(l), l%row, l%slice(1:), l%count(1:), &
+                                l%list, l%touch(i), l%press(:, l%row(i)), lost)
         end associate
     end subroutine press
 
@@ -133,8 +134,9 @@ contains
 
         associate (s => solid, l => solid%links)
             call push_particle(i, l%lay, dt, l%ends, l%table, l%cell, s%x, s%v, s%mass, &
-                               l%weight, s%stress, s%pair, l%press(:, 1:), l%bond, joined_of(l), &
-                               l%row, l%slice(1:), l%count(1:), l%list, f, kept, gain, limit)
+                               l%weight, s%stress, s%pair, l%press(:, 1:), l%face, l%bond, &
+                               joined_of(l), l%row, l%slice(1:), l%count(1:), l%list, f, kept, &
+                               gain, limit)
             l%push(:, l%row(i)) = [f(1:3), f(at_drag + 1:at_drag + 3), f(at_stiff + 1:at_stiff + 3)]
             s%energy(i) = s%energy(i) + gain/s%mass(i)
         end associate

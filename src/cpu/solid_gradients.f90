@@ -5,6 +5,7 @@
 !> for pass 2, its row of `pair`.
 module brz_solid_gradients
     use brz_algebra, only: copy_matrix, inverse3, multiply3, to_matrix
+    use brz_contact_face, only: face_normal, face_past, face_strain, strain_face
     use brz_face_stress, only: face_work
     use brz_gradient, only: correction, midstep_gradient, piola, stable_step, total_gradient
     use brz_kinds, only: dp, int64, int8, rk
@@ -233,6 +234,8 @@ contains
         if (tilted) b = transpose(b)
         call multiply3(s, b, solid%pair(pair_stress + 1, i))
         if (body%layer > 0) call stay_in_layer(b, solid%pair(pair_stress + 1, i))
+        if (solid%links%faces) &
+            call move_face(solid, body, i, real(dt, rk), rho, f, b, h)
         if (weak /= 0 .and. (body%formulation == form_bending .or. body%tension_hold > 0 .or. &
                              body%formulation == form_total)) solid%limp(i) = 1
         limp = solid%limp(i)
@@ -262,12 +265,49 @@ contains
         else
             call to_matrix(solid%stress(:, i), s)
         end if
+        call put_to_work(solid, body, i, rho, f, s)
+    end subroutine working_stress
+
+    !> From Cauchy's stress to that which acts along the arms of the pairs: Piola's; else it works
+    !> on the present volume, while the weights of the pairs have the last one.
+    pure subroutine put_to_work(solid, body, i, rho, f, s)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: i
+        real(rk), intent(in) :: rho, f(3, 3) !! see working_stress
+        real(rk), intent(inout) :: s(3, 3) !! [Pa]
+
         if (body%formulation == form_total) then
             call piola(f, s)
-        else ! it works on the present volume, while the weights of the pairs have the last one
+        else
             s = s*(solid%mass(i)/(rho*solid%volume(i)))
         end if
-    end subroutine working_stress
+    end subroutine put_to_work
+
+    !> Strain the half layer at the face of a particle that may touch others.
+    subroutine move_face(solid, body, i, dt, rho, f, b, h)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: i
+        real(rk), intent(in) :: dt, rho !! [s], [kg/m3]
+        real(rk), intent(in) :: f(3, 3), b(3, 3), h(3, 3) !! see working_stress, correction
+        real(rk) :: normal(3), s(3, 3), along(3, 3), reach
+        integer :: a
+
+        associate (row => solid%links%row(i), face => solid%links%face(:, i))
+            if (row == 0) return
+            normal = face(face_normal + 1:face_normal + 3)
+            do a = 1, 3
+                s(:, a) = normal*normal(a)
+            end do
+            call put_to_work(solid, body, i, rho, f, s)
+            call multiply3(s, b, along)
+            reach = 0
+            if (solid%limp(i) == 0) reach = body%face_share*real(body%spacing, rk)
+            call strain_face(dt, h, normal, along, reach, solid%mass(i)/rho, face(face_strain), &
+                             face(face_past), solid%links%press(6:8, row))
+        end associate
+    end subroutine move_face
 
     !> Share of the stiffness of the hourglass force along axes that plastic strain leaves.
     pure real(rk) function left_of(solid, body, i) result(share)

@@ -110,6 +110,9 @@ contains
         gpu%rigid = params%formulation == form_rigid
         gpu%drawn = params%tension_hold > 0
         gpu%layer = params%layer > 0
+        gpu%reach = solid%bodies(b)%face_share*real(solid%bodies(b)%spacing, rk)
+        gpu%density = material%density
+        gpu%tilted = gpu%total .and. any(params%normal > 0)
         call put_buffer(params, gpu%params, storage_size(params)/8_int64, err)
         call put_buffer(material, gpu%material, storage_size(material)/8_int64, err)
         call allocate_buffer(gpu%slice, 4_int64*(gpu%slices + 1), err)

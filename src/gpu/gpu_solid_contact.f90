@@ -8,7 +8,7 @@ module brz_gpu_solid_contact
     use brz_device, only: clear_buffer, copy_out, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_common, only: pick
-    use brz_gpu_solid_ghosts, only: refresh_motion, refresh_press
+    use brz_gpu_solid_ghosts, only: refresh_motion, refresh_press, refresh_rows
     use brz_gpu_solid_layout, only: book_contact, book_contact_early, book_contact_heat, book_rub
     use brz_gpu_solid_state, only: book_of, gpu_solid_t
     use brz_kinds, only: dp, int64, rk
@@ -151,9 +151,10 @@ contains
             end do
             call contact_kernels%push_links(l%n_touching, l%touching, gpu%step_d, l%lay, dt, &
                 l%ends, l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, gpu%stress, gpu%pair, &
-                l%press, l%bond, l%joined, l%row, l%slice, links_that_touch(gpu), l%list, &
-                gpu%energy, book_of(gpu, book_contact), book_of(gpu, book_contact_early), &
+                l%press, l%face, l%bond, l%joined, l%row, l%slice, links_that_touch(gpu), &
+                l%list, gpu%energy, book_of(gpu, book_contact), book_of(gpu, book_contact_early), &
                 book_of(gpu, book_contact_heat), book_of(gpu, book_rub), gpu%rate, gpu%extra, err)
+            if (solid%links%faces) call refresh_rows(gpu, solid, err) ! with what contact brings by the faces
             if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%step_d, l%lay, &
                 l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%k_axes, &
                 gpu%held, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
@@ -180,7 +181,7 @@ contains
 
         associate (l => gpu%links)
             call contact_kernels%press_links(l%n_touching, l%touching, l%lay, dt, l%ends, &
-                l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, l%touch, l%bond, l%joined, &
+                l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, l%face, l%touch, l%bond, l%joined, &
                 l%row, l%slice, links_that_touch(gpu), l%list, gpu%energy, &
                 book_of(gpu, book_contact_heat), l%press, err)
         end associate

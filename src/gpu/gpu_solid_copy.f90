@@ -187,10 +187,14 @@ contains
 
         if (field%lies == in_tag) then
             call c_f_pointer(c_loc(room), marks, [gpu%n])
-            if (.not. puts) call copy_out(tags_of(gpu, field%at), marks, 4_int64*gpu%n, err)
-            if (failed(err)) return
-            call carry_marks(field, marks, puts)
-            if (puts) call copy_in(marks, tags_of(gpu, field%at), 4_int64*gpu%n, err)
+            do n = 1, field%rows
+                associate (there => tags_of(gpu, field%at + n - 1))
+                    if (.not. puts) call copy_out(there, marks, 4_int64*gpu%n, err)
+                    if (failed(err)) return
+                    call carry_marks(field, n, marks, puts)
+                    if (puts) call copy_in(marks, there, 4_int64*gpu%n, err)
+                end associate
+            end do
         else if (field%lies == in_state) then
             do first = 1, field%rows, at_once
                 n = min(at_once, field%rows - first + 1)

@@ -4,6 +4,7 @@ module brz_gpu_solid_ghosts
     use brz_buffers, only: from
     use brz_device, only: copy_in
     use brz_errors, only: error_t
+    use brz_contact_face, only: n_face
     use brz_gpu_parcels, only: gpu_rows_t, rows_of
     use brz_gpu_solid_layout, only: at_damage, flag_drawn
     use brz_gpu_solid_state, only: column_of, gpu_solid_t, words_of_real
@@ -80,7 +81,8 @@ contains
         n = gpu%n_left
         if (gpu%linked) then
             call gpu%ghosts%refresh([gpu%left(:n), &
-                                     rows_of(gpu%stress, words_of_real, 6, gpu%step_d)], err)
+                                     rows_of(gpu%stress, words_of_real, 6, gpu%step_d), &
+                                     rows_of(gpu%links%face, 1, n_face, gpu%step_d)], err)
         else
             call gpu%ghosts%refresh(gpu%left(:n), err)
         end if

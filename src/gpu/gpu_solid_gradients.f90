@@ -57,6 +57,7 @@ contains
                 call update_material(gpu, gpu%bodies(b), real(dt, rk), err)
                 call free_faces(gpu, gpu%bodies(b), real(dt/2, rk), err)
             end if
+            if (solid%links%faces) call move_faces(gpu, gpu%bodies(b), real(dt, rk), err)
             call fill_rows(gpu, gpu%bodies(b), real(dt, rk), err)
         end do
         call side_by_side(0)
@@ -180,6 +181,19 @@ contains
         call launch_advance_point(body%update, threads_of(body), gpu%step_d, dt, body%params, &
             body%material, gpu%grad, gpu%state, gpu%tag, gpu%book, gpu%flags, err)
     end subroutine update_material
+
+    !> Strain the half layers at the faces of particles that may touch others.
+    subroutine move_faces(gpu, body, dt, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
+        real(rk), intent(in) :: dt !! step just made, 0: none [s]
+        type(error_t), intent(inout) :: err
+
+        call row_kernels%move_face(body%last - body%gone - body%first + 1, &
+            body%first, gpu%step_d, 4, merge(1, 0, body%total), merge(1, 0, body%tilted), dt, &
+            body%density, body%reach, gpu%links%count, tags_of(gpu, tag_limp), gpu%row, gpu%grad, &
+            gpu%mu, gpu%volume, gpu%mass, gpu%links%face, gpu%links%press, err)
+    end subroutine move_faces
 
     subroutine fill_rows(gpu, body, dt, err)
         type(gpu_solid_t), intent(in) :: gpu

@@ -18,8 +18,8 @@ module brz_gpu_solid_layout
     use brz_link_layout, only: mask_unit, slice_width
     use brz_row_items, only: row_rules_t
     use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
-        at_stress, at_wave, n_tag, tag_bond, tag_limp, tag_fault, tag_fixed, tag_id, tag_joined, &
-        tag_ply, tag_support, tag_touch, tag_weight
+        at_stress, at_wave, n_linked_tag, n_tag, tag_bond, tag_face, tag_limp, tag_fault, &
+        tag_fixed, tag_id, tag_joined, tag_ply, tag_support, tag_touch, tag_weight
     use brz_solid_state, only: at_drag, at_friction, at_heat, at_stiff, at_work, body_numbers_t, &
         n_terms
     implicit none
@@ -27,7 +27,7 @@ module brz_gpu_solid_layout
     public :: body_gpu_t, grid_gpu_t
     public :: at_mu, at_energy, at_stress, at_damage, at_wave, at_bulk, at_mass, at_accel, at_hist
     public :: tag_id, tag_ply, tag_support, tag_fixed, tag_limp, tag_fault, &
-              tag_bond, tag_joined, tag_touch, tag_weight, n_tag
+              tag_bond, tag_joined, tag_touch, tag_weight, tag_face, n_tag, n_linked_tag
     public :: book_viscous, book_friction, book_stiff, book_ahead, book_plastic, book_damage, &
               book_clamped, &
               book_force, book_early, book_contact_early, book_contact, book_contact_heat, &

@@ -5,6 +5,7 @@
 !> `solid_t` are a mirror that brz_gpu_solid_copy refreshes before a dump or a checkpoint.
 module brz_gpu_solid_state
     use brz_buffers, only: buffer_t, doubles_t, from, integers_t, reals_t
+    use brz_contact_face, only: n_face
     use brz_device, only: allocate_buffer, copy_in, copy_within, device_t, free_buffer, kernel_t, &
         reserve_buffer
     use brz_errors, only: error_t, exit_device, failed, raise
@@ -17,8 +18,8 @@ module brz_gpu_solid_state
     use brz_gpu_places, only: gpu_marks_t
     use brz_gpu_solid_layout, only: at_accel, at_damage, at_energy, at_mass, at_mu, at_stress, &
         book_contact_heat, book_load, grid_gpu_t, &
-        n_book, n_flag, n_tag, n_terms, tag_bond, tag_fixed, tag_id, tag_joined, &
-        tag_touch, tag_weight
+        n_book, n_flag, n_linked_tag, n_tag, n_terms, tag_bond, tag_face, &
+        tag_fixed, tag_id, tag_joined, tag_touch, tag_weight
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: link_layout_t, n_press
     use brz_move_level, only: lost_level
@@ -60,6 +61,9 @@ module brz_gpu_solid_state
         logical :: rigid = .false.
         logical :: drawn = .false. !! has the hold
         logical :: layer = .false. !! a single layer, see brz_lone_layer
+        real(rk) :: reach = 0 !! of faces in contact, see strain_face [m]
+        real(rk) :: density = 0 !! unloaded [kg/m3]
+        logical :: tilted = .false. !! total-Lagrangian, with gradients by tilted arms
         logical :: asleep = .false. !! left out of the steps
         logical :: packed = .false. !! `far` has the reference of its particles
         real(dp) :: box(3, 2) = 0 !! corners of `built` [m]
@@ -79,7 +83,7 @@ module brz_gpu_solid_state
     type, extends(lists_t) :: gpu_links_t
         type(link_layout_t) :: lay
         logical :: breaks = .true., frees = .true. !! bonds may break; or what ties may let go
-        type(buffer_t) :: table, touch, weight
+        type(buffer_t) :: table, touch, weight, face
         type(integers_t) :: ends, count, met, bond, joined
         integer, allocatable :: ends_there(:) !! what the GPU has of them
         type(doubles_t) :: box !! (3, 2, bodies) corners of `built` [m]
@@ -189,7 +193,7 @@ contains
         call lay_arrays(gpu, solid, gpu%bodies%first, err)
         call gpu%ghosts%open(solid%ranks, solid%part, &
             max(sum(gpu%record%words*gpu%record%columns), &
-                sum(gpu%left%words) + 6*words_of_real), err)
+                sum(gpu%left%words) + 6*words_of_real + n_face), err)
         call allocate_buffer(gpu%flags, 4_int64*(n_flag + lost_level*size(solid%bodies)), err)
         gpu%moved = from(gpu%flags, n_flag + 1_int64)
         call allocate_buffer(gpu%region, 48_int64, err)
@@ -235,7 +239,7 @@ contains
         call visit(gpu%built, 8, 1, goes)
         call visit(gpu%motion, 4*w, 1, goes)
         call visit(gpu%state, w, gpu%n_state, goes)
-        call visit(gpu%tag, 1, n_tag, goes)
+        call visit(gpu%tag, 1, merge(n_linked_tag, n_tag, gpu%linked), goes)
         call visit(gpu%rate, 2, 1, goes)
         call visit(gpu%row, n_pair*w, 1, is_left)
         if (allocated(solid%k_axes) .or. allocated(solid%tilt)) &
@@ -327,6 +331,8 @@ contains
             links%touch = tags%buffer_t
             tags = tags_of(gpu, tag_weight)
             links%weight = tags%buffer_t
+            tags = tags_of(gpu, tag_face)
+            links%face = tags%buffer_t
             links%row = links%count
             links%lay%step_c = gpu%step_d
         end associate

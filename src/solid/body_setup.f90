@@ -15,6 +15,7 @@ module brz_body_setup
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_formulation, only: settle_formulation
     use brz_gauge_quantities, only: find_quantity, from_impulse, quantities
+    use brz_contact_edges, only: find_contact_edges
     use brz_interaction_setup, only: set_up_interactions
     use brz_load_setup, only: set_up_loads
     use brz_outline, only: outline_t
@@ -23,6 +24,7 @@ module brz_body_setup
     use brz_layer_setup, only: settle_layer
     use brz_material, only: material_t, point_t
     use brz_materials, only: make_material, material_remarks, start_point
+    use brz_meeting_speed, only: meeting_speed
     use brz_plate, only: settle_plate
     use brz_region_setup, only: set_up_regions
     use brz_rigid_setup, only: set_up_rigid
@@ -35,7 +37,7 @@ module brz_body_setup
     use brz_wide_lattice, only: settle_lattice
     implicit none
     private
-    public :: meeting_speed, outline_solid, set_up_solid
+    public :: outline_solid, set_up_solid
 
 contains
 
@@ -70,6 +72,9 @@ contains
             call judge_held(case%bodies(b), found, solid, err)
             found = held_t()
         end do
+        if (failed(err)) return
+        call find_contact_edges([(is_whole_box(points(b)%shape, solid%bodies(b)), &
+                                  b=1, size(points))], solid)
         call set_up_cohesive(case, points%shape, solid, err)
         if (.not. failed(err)) call judge_bonds(case, solid)
         call set_up_loads(case, points%shape, solid, err)
@@ -79,6 +84,15 @@ contains
             call set_up_rigid(case%bodies(b), points(b)%shape%on_plane, solid, solid%bodies(b), err)
         end do
     end subroutine set_up_solid
+
+    !> True for a box of cubic particles without holes.
+    pure logical function is_whole_box(shape, body)
+        type(shape_t), intent(in) :: shape
+        type(body_t), intent(in) :: body
+
+        is_whole_box = body%last - body%first + 1 == product(shape%n(:shape%dimension)) .and. &
+                       all(abs(body%stretch - 1) < 1e-6_dp)
+    end function is_whole_box
 
     !> The next body is a part of the same laminate: it comes from the same group of the deck.
     pure logical function goes_on(bodies, b)
@@ -231,52 +245,6 @@ contains
             solid%notes = solid%notes//points(b)%notes
         end do
     end subroutine number_particles
-
-    !> Largest speed at which two bodies, a body and its mirror image, or a body and the part of it
-    !> that is held or driven from the start move against each other [m/s]. What all share is none.
-    pure real(dp) function meeting_speed(case) result(speed)
-        type(case_t), intent(in) :: case
-        real(dp), allocatable :: v(:, :), w(:, :)
-        integer :: a, b, k
-
-        speed = 0
-        do a = 1, size(case%bodies)
-            v = speeds_of(case%bodies(a))
-            speed = max(speed, norm2(v(:, 2) - v(:, 1)))
-            do k = 1, size(v, 2)
-                speed = max(speed, 2*maxval(merge(abs(v(:, k)), 0.0_dp, case%run%symmetry)))
-            end do
-            do b = 1, a - 1
-                w = speeds_of(case%bodies(b))
-                do k = 1, size(v, 2)
-                    speed = max(speed, maxval(norm2(w - spread(v(:, k), 2, size(w, 2)), dim=1)))
-                end do
-            end do
-        end do
-    end function meeting_speed
-
-    !> Velocities of a body (3, at least 2): at the start, of its held or driven particles, if any,
-    !> at the start, and of these at later times [m/s].
-    pure function speeds_of(body) result(v)
-        type(body_case_t), intent(in) :: body
-        real(dp), allocatable :: v(:, :)
-        integer :: m
-
-        allocate (v(3, 1 + max(body%n_motion, 1)))
-        v(:, 1) = body%velocity
-        v(:, 2) = 0
-        if (body%n_motion > 0) then
-            v(:, 2:) = body%motion_velocity(:, :body%n_motion)
-            if (body%formulation == 'rigid') v(:, 1) = v(:, 2)
-        else if (.not. (any(body%fix /= '') .or. body%n_fix_boxes > 0)) then
-            v(:, 2) = body%velocity
-        end if
-        if (.not. allocated(body%regions)) return
-        do m = 1, size(body%regions)
-            v = reshape([v, body%regions(m)%velocity], &
-                        [3, size(v, 2) + size(body%regions(m)%velocity, 2)])
-        end do
-    end function speeds_of
 
     !> Copy the settings of a body from the deck.
     subroutine settle(input, material, dimension, speed, body, err)

@@ -32,7 +32,8 @@ module brz_contact
     integer, parameter :: link_stiffness = 2 !! mean of the partners [Pa]
     integer, parameter :: link_rate = 3 !! how fast the sum grows [1/s]
     integer, parameter :: link_normal = 3 !! + 1..3: sum of V F x_ij/touch [1/m]
-    integer, parameter :: n_link = 6
+    integer, parameter :: link_weight = 7 !! as link_sum, without what strain adds
+    integer, parameter :: n_link = 7
 
     !> How a particle of one body meets those of another.
     type :: meeting_t
@@ -41,6 +42,8 @@ module brz_contact
         real(rk) :: spacing !! mean distance of particles [m]
         real(rk) :: touch !! kernel sum of a flat surface of the other body one spacing away
         real(rk) :: slope !! force of such a surface per pressure, for areas of pairs [-]
+        real(rk) :: steep !! how fast that sum grows over itself as the face moves [1/m]
+        real(rk) :: reach(2) !! how far the faces of both move for a unit of strain [m]
         real(rk) :: stiffness !! kappa [Pa]
         real(rk) :: core !! bulk modulus times area of the hard core [N]
         real(rk) :: impedance !! of damping, alpha/2 sqrt(K rho) [kg/(m2 s)]
@@ -144,30 +147,36 @@ contains
 
     !> Add a particle of another body to the kernel sums.
     !@cuf attributes(host,device) &
-    pure subroutine add_link(m, v, r, dv, sums)
+    pure subroutine add_link(m, v, r, dv, grown, growth, sums)
         type(meeting_t), intent(in) :: m
         real(rk), intent(in) :: v !! volume of its cell over `touch` and depth
         real(rk), intent(in) :: r(3), dv(3) !! x_ij [m], v_ij [m/s]
+        real(rk), intent(in) :: grown !! what the strain of both half layers adds to the sum
+        real(rk), intent(in) :: growth !! how fast that grows [1/s]
         real(rk), intent(inout) :: sums(n_link)
         real(rk) :: distance, slope, w
 
         distance = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
         slope = kernel_slope(m%scale, m%half_over_h, distance)
         w = v*kernel_value(slope, m%h, distance)
-        sums(link_sum) = sums(link_sum) + w
+        sums(link_weight) = sums(link_weight) + w
+        sums(link_sum) = sums(link_sum) + w*(1 + grown)
         sums(link_stiffness) = sums(link_stiffness) + w*m%stiffness
-        sums(link_rate) = sums(link_rate) - v*slope*(r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3))
+        sums(link_rate) = sums(link_rate) - v*slope*(r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)) &
+                          + w*growth
         sums(link_normal + 1) = sums(link_normal + 1) + v*slope*r(1)
         sums(link_normal + 2) = sums(link_normal + 2) + v*slope*r(2)
         sums(link_normal + 3) = sums(link_normal + 3) + v*slope*r(3)
     end subroutine add_link
 
-    !> Make the sum of the stiffness the mean of the partners.
+    !> Make the sum of the stiffness the mean of the partners, times a share.
     !@cuf attributes(host,device) &
-    pure subroutine mean_stiffness(sums)
+    pure subroutine mean_stiffness(share, sums)
+        real(rk), intent(in) :: share !! of the springs of the particle, see brz_contact_edges
         real(rk), intent(inout) :: sums(n_link)
 
-        if (sums(link_sum) > 0) sums(link_stiffness) = sums(link_stiffness)/sums(link_sum)
+        if (sums(link_weight) > 0) &
+            sums(link_stiffness) = share*sums(link_stiffness)/sums(link_weight)
     end subroutine mean_stiffness
 
     !> Pressure of contact of a particle [Pa].

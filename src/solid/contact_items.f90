@@ -7,13 +7,15 @@ module brz_contact_items
         core_loss, crossing_share, drag_stiffness, law_shared, link_normal, link_pressure, &
         link_stiffness, link_sum, mean_stiffness, meeting_t, n_link, shared_volume, spring_loss, &
         spring_share, surface_velocity
+    use brz_contact_face, only: add_push_by_face, face_edge, face_normal, face_past, &
+        face_strain, turn_normal
     use brz_contact_release, only: is_freed, is_tied, later_touch
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t, links_of, mask_unit, n_press
     use brz_pair_force, only: viscous_force
-    use brz_solid_state, only: at_drag, at_friction, at_heat, at_stiff, n_pair, n_terms, &
-        pair_linear, pair_quadratic, pair_spin, pair_volume
+    use brz_solid_state, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_pair, &
+        n_terms, pair_linear, pair_quadratic, pair_spin, pair_stress, pair_volume
     implicit none
     private
     public :: owner_of, look_ahead, look_along, sum_links, press_particle, push_particle, &
@@ -27,6 +29,16 @@ module brz_contact_items
     integer, parameter :: n_kept = 4
 
 contains
+
+    !> Place of a number of the face of a particle.
+    !@cuf attributes(host,device) &
+    pure function face_at(lay, i, slot) result(at)
+        type(link_layout_t), intent(in) :: lay
+        integer, intent(in) :: i, slot !! see brz_contact_face
+        integer(int64) :: at
+
+        at = 1 + (i - 1_int64)*lay%step_f + (slot - 1_int64)*lay%step_c
+    end function face_at
 
     !> Body of a particle.
     !@cuf attributes(host,device) &
@@ -83,7 +95,7 @@ contains
     !> Kernel sum over the particles of other bodies, 1 at a flat surface one spacing away: now, and
     !> a step before, where all came from with their velocities.
     !@cuf attributes(host,device) &
-    pure subroutine sum_links(i, all, lay, dt, ends, table, cell, x, v, mass, weight, bond, &
+    pure subroutine sum_links(i, all, lay, dt, ends, table, cell, x, v, mass, weight, face, bond, &
                               joined, row, slice, count, list, now, before, freed)
         integer, intent(in) :: i
         logical, intent(in) :: all !! bonded partners as well
@@ -95,10 +107,11 @@ contains
         real(dp), intent(in) :: x(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*)
         real(real32), intent(in) :: weight(*)
+        real(real32), intent(in) :: face(*) !! see brz_contact_face
         integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(out) :: now(n_link), before(n_link) !! see brz_contact
         real(rk), intent(out) :: freed !! sum over particles that had no contact then
-        real(rk) :: s(3), r(3), dv(3), w, d
+        real(rk) :: s(3), r(3), dv(3), w, d, grown, past, growth
         integer :: a, b, j, k, n, t
         integer(int32) :: next
         integer(int64) :: at
@@ -117,21 +130,27 @@ contains
                 if (is_tied(table(a, b), bond(i), bond(j), joined(i), joined(j))) cycle
             end if
             w = cell(b)*mass(j)*weight(j)/lay%depth/table(a, b)%touch
-            call add_link(table(a, b), w, r, dv, now)
+            grown = table(a, b)%steep*(table(a, b)%reach(1)*face(face_at(lay, i, face_strain)) &
+                                       + table(a, b)%reach(2)*face(face_at(lay, j, face_strain)))
+            past = table(a, b)%steep*(table(a, b)%reach(1)*face(face_at(lay, i, face_past)) &
+                                      + table(a, b)%reach(2)*face(face_at(lay, j, face_past)))
+            growth = 0
+            if (dt > 0) growth = (grown - past)/dt
+            call add_link(table(a, b), w, r, dv, grown, growth, now)
             if (.not. dt > 0) cycle
             do t = 1, 3
                 r(t) = r(t) - dt*dv(t)
             end do
             if (is_freed(table(a, b), bond(i), bond(j), joined(i), joined(j))) then
                 d = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
-                freed = freed + w*kernel_value(kernel_slope(table(a, b)%scale, &
-                                               table(a, b)%half_over_h, d), table(a, b)%h, d)
+                freed = freed + (1 + past)*w*kernel_value(kernel_slope(table(a, b)%scale, &
+                                             table(a, b)%half_over_h, d), table(a, b)%h, d)
             else
-                call add_link(table(a, b), w, r, dv, before)
+                call add_link(table(a, b), w, r, dv, past, growth, before)
             end if
         end do
-        call mean_stiffness(now)
-        call mean_stiffness(before)
+        call mean_stiffness(real(face(face_at(lay, i, face_edge)), rk), now)
+        call mean_stiffness(real(face(face_at(lay, i, face_edge)), rk), before)
     end subroutine sum_links
 
     !> Pressure of contact of a particle, the sum of V F x_ij that shows its normal, stiffness; what
@@ -140,8 +159,8 @@ contains
     !> Where a bond or an interface has let go, contact begins with what is nearer than a step
     !> before: it must not find the bodies pressed together, with an energy that nothing gave.
     !@cuf attributes(host,device) &
-    pure subroutine press_particle(i, lay, dt, ends, table, cell, x, v, mass, weight, bond, &
-                                   joined, row, slice, count, list, touch, press, lost)
+    pure subroutine press_particle(i, lay, dt, ends, table, cell, x, v, mass, weight, face, &
+                                   bond, joined, row, slice, count, list, touch, press, lost)
         integer, intent(in) :: i
         type(link_layout_t), intent(in) :: lay
         real(rk), intent(in) :: dt !! 0: none [s]
@@ -151,6 +170,7 @@ contains
         real(dp), intent(in) :: x(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*)
         real(real32), intent(in) :: weight(*)
+        real(real32), intent(in) :: face(*)
         integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
         real(real32), intent(inout) :: touch !! its kernel sum at which contact begins
         real(rk), intent(inout) :: press(n_press) !! see links_t
@@ -158,8 +178,8 @@ contains
         real(rk) :: now(n_link), before(n_link), freed, last
         integer :: t
 
-        call sum_links(i, .false., lay, dt, ends, table, cell, x, v, mass, weight, bond, joined, &
-                       row, slice, count, list, now, before, freed)
+        call sum_links(i, .false., lay, dt, ends, table, cell, x, v, mass, weight, face, bond, &
+                       joined, row, slice, count, list, now, before, freed)
         last = touch
         if (freed > 0) touch = later_touch(touch, before(link_sum), freed)
         press(1) = link_pressure(now, real(touch, rk))
@@ -176,7 +196,8 @@ contains
     !@item
     !@cuf attributes(host,device) &
     pure subroutine press_links(k, touching, lay, dt, ends, table, cell, x, v, mass, weight, &
-                                touch, bond, joined, row, slice, count, list, energy, heat, press)
+                                face, touch, bond, joined, row, slice, count, list, energy, &
+                                heat, press)
         integer, intent(in) :: k !! particles that may touch
         integer(int32), intent(in) :: touching(*) !! they
         type(link_layout_t), intent(in) :: lay
@@ -187,6 +208,7 @@ contains
         real(dp), intent(in) :: x(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*)
         real(real32), intent(in) :: weight(*)
+        real(real32), intent(in) :: face(*) !! see brz_contact_face
         real(real32), intent(inout) :: touch(*)
         integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(inout) :: energy(*)
@@ -196,8 +218,8 @@ contains
         integer :: i
 
         i = touching(k)
-        call press_particle(i, lay, dt, ends, table, cell, x, v, mass, weight, bond, joined, row, &
-                            slice, count, list, touch(i), press(1, i), lost)
+        call press_particle(i, lay, dt, ends, table, cell, x, v, mass, weight, face, bond, joined, &
+                            row, slice, count, list, touch(i), press(1, i), lost)
         energy(i) = energy(i) + lost/mass(i)
         heat(i) = heat(i) + lost
     end subroutine press_links
@@ -205,8 +227,8 @@ contains
     !> Forces of contact on a particle, its shares of the energies, and what time step it bears.
     !@cuf attributes(host,device) &
     pure subroutine push_particle(i, lay, dt, ends, table, cell, x, v, mass, weight, stress, &
-                                  pair, press, bond, joined, row, slice, count, list, f, kept, &
-                                  gain, limit)
+                                  pair, press, face, bond, joined, row, slice, count, list, f, &
+                                  kept, gain, limit)
         integer, intent(in) :: i
         type(link_layout_t), intent(in) :: lay
         real(dp), intent(in) :: dt !! step just made, 0: none [s]
@@ -216,7 +238,9 @@ contains
         real(dp), intent(in) :: x(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*), stress(*)
         real(real32), intent(in) :: weight(*)
-        real(rk), intent(in) :: pair(n_pair, *), press(n_press, *)
+        real(rk), intent(inout) :: pair(n_pair, *) !! to that of i: the stress by its face
+        real(rk), intent(in) :: press(n_press, *)
+        real(real32), intent(inout) :: face(*) !! see brz_contact_face
         integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(out) :: f(n_terms) !! springs; at_drag: what makes heat; at_stiff: moment
         real(dp), intent(out) :: kept(n_kept) !! [J]
@@ -268,12 +292,37 @@ contains
         if (stiffness > 0 .and. .not. table(a, a)%rigid) & ! see rigid_step
             limit = min(limit, spring_share*sqrt(real(mass(i), dp)/stiffness))
         if (damping > 0) limit = min(limit, real(mass(i), dp)/damping)
+        if (table(a, a)%reach(1) > 0) call push_by_face(lay, i, f(at_work), press(2, q), &
+            press(6, q), pair(pair_stress + 1, i), face)
         gain = real(dt, rk)*(f(at_heat) + f(at_friction)) + lost
         kept(kept_energy) = energy
         kept(kept_heat) = dt*f(at_heat) + lost
         kept(kept_rub) = dt*f(at_friction)
         kept(kept_early) = dt/2*(f(at_heat) + f(at_friction))
     end subroutine push_particle
+
+    !> Give the row of a particle what the springs bring by its face, and the face its new normal.
+    !@cuf attributes(host,device) &
+    pure subroutine push_by_face(lay, i, push, slope, row, stress, face)
+        type(link_layout_t), intent(in) :: lay
+        integer, intent(in) :: i
+        real(rk), intent(in) :: push !! on the face [N]
+        real(rk), intent(in) :: slope(3) !! of the kernel sum [1/m]
+        real(rk), intent(in) :: row(3) !! see strain_face
+        real(rk), intent(inout) :: stress(9) !! of the row of the particle
+        real(real32), intent(inout) :: face(*)
+        real(rk) :: normal(3)
+        integer :: t
+
+        do t = 1, 3
+            normal(t) = face(face_at(lay, i, face_normal + t))
+        end do
+        if (push > 0) call add_push_by_face(push, normal, row, stress)
+        call turn_normal(slope, normal)
+        do t = 1, 3
+            face(face_at(lay, i, face_normal + t)) = real(normal(t), real32)
+        end do
+    end subroutine push_by_face
 
     !> Sum of the normal stresses of a particle.
     !@cuf attributes(host,device) &
@@ -304,13 +353,16 @@ contains
         real(rk), intent(in) :: p(n_press), q(n_press), pair_i(n_pair), pair_j(n_pair)
         real(rk), intent(in) :: stress_i(3), stress_j(3)
         logical, intent(in) :: fresh !! without contact until this step
-        real(rk), intent(inout) :: f(n_terms), energy, lost, stiffness, damping
+        real(rk), intent(inout) :: f(n_terms), energy, lost, stiffness, damping !! at_work: force
+                                                                                !! on the face
         real(rk) :: slip(3), n(3), g(3), z(3), spin_i(3), spin_j(3), moment(3), heat(2)
         real(rk) :: cells, slope, u, core, area, toward, share, w
         integer :: t
 
         slope = kernel_slope(m%scale, m%half_over_h, distance)
         cells = own*other/lay%depth
+        f(at_work) = f(at_work) + cells*kernel_value(slope, m%h, distance) &
+                     *(p(1)*m%steep/m%touch + q(1)*back%steep/back%touch)
         call contact_push(m, cells*slope, p(1)/m%touch + q(1)/back%touch, distance, u, core)
         energy = energy + core/2
         lost = lost + core_loss(m, fresh, dt, r, dv)/2
@@ -358,8 +410,8 @@ contains
     !@item
     !@cuf attributes(host,device) &
     pure subroutine push_links(k, touching, particles, lay, dt, ends, table, cell, x, v, mass, &
-                               weight, stress, pair, press, bond, joined, row, slice, count, &
-                               list, energy, held, early, heat, rub, rate, extra)
+                               weight, stress, pair, press, face, bond, joined, row, slice, &
+                               count, list, energy, held, early, heat, rub, rate, extra)
         integer, intent(in) :: k !! particles that may touch
         integer(int32), intent(in) :: touching(*) !! they
         integer, intent(in) :: particles !! all
@@ -371,7 +423,9 @@ contains
         real(dp), intent(in) :: x(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*), stress(*)
         real(real32), intent(in) :: weight(*)
-        real(rk), intent(in) :: pair(n_pair, *), press(n_press, *)
+        real(rk), intent(inout) :: pair(n_pair, *)
+        real(rk), intent(in) :: press(n_press, *)
+        real(real32), intent(inout) :: face(*)
         integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(inout) :: energy(*)
         real(dp), intent(inout) :: held(*), early(*), heat(*), rub(*) !! see n_kept [J]
@@ -384,7 +438,8 @@ contains
         i = touching(k)
         limit = huge(limit)
         call push_particle(i, lay, dt, ends, table, cell, x, v, mass, weight, stress, pair, &
-                           press, bond, joined, row, slice, count, list, f, kept, gain, limit)
+                           press, face, bond, joined, row, slice, count, list, f, kept, gain, &
+                           limit)
         rate(i) = max(rate(i), 1/limit)
         do t = 1, 3
             extra(i, t) = f(t)

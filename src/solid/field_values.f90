@@ -101,19 +101,20 @@ contains
     end subroutine carry_columns
 
     !> Copy a field (n) to marks, or set it from there: a whole number, or the bits of a real32.
-    subroutine carry_marks(field, marks, gets)
+    subroutine carry_marks(field, row, marks, gets)
         type(field_t), intent(in) :: field
+        integer, intent(in) :: row !! of the field
         integer(int32), intent(inout) :: marks(:) !! (n)
         logical, intent(in) :: gets !! else marks go to the field
-        integer(int32), pointer :: number(:)
+        integer(int32), pointer :: number(:, :)
         integer(int16), pointer :: short(:)
         integer(int8), pointer :: byte(:)
 
         select case (field%kind)
         case (is_integer, is_single) ! the same bits
-            call c_f_pointer(field%values, number, shape(marks))
-            if (gets) marks = number
-            number = marks
+            call c_f_pointer(field%values, number, [field%rows, size(marks)])
+            if (gets) marks = number(row, :)
+            number(row, :) = marks
         case (is_short)
             call c_f_pointer(field%values, short, shape(marks))
             if (gets) marks = short

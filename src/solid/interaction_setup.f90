@@ -9,6 +9,7 @@ module brz_interaction_setup
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: dp, real32, rk
     use brz_material, only: material_t
+    use brz_meeting_speed, only: closing_speed
     use brz_solid_state, only: body_t, form_corrected_hourglass, form_rigid, form_total, solid_t
     use brz_text, only: to_text
     implicit none
@@ -16,6 +17,8 @@ module brz_interaction_setup
     public :: set_up_interactions, find_rule, rule_of
 
     real(dp), parameter :: most_ratio = 2, good_ratio = 1.1_dp !! of spacings across a bond
+    real(dp), parameter :: slow = 0.1_dp !! of the speed of sound, where faces in contact move, see
+                                         !! brz_contact_face
     real(dp), parameter :: most_contrast = 6 !! of bonded materials whose pairs count as all others
 
 contains
@@ -36,6 +39,9 @@ contains
                     call find_rule(case, a, b, rule)
                     if (a == b) rule%law = 'none'
                     call make_meeting(solid, rule, a, b, solid%links%table(a, b))
+                    if (.not. may_touch(solid%links%table(a, b)) .or. closing_speed( &
+                        case%bodies(a), case%bodies(b)) > slow*minval(solid%materials( &
+                        solid%bodies([a, b])%material)%c_wave)) solid%links%table(a, b)%steep = 0
                     if (a >= b) cycle
                     if (rule%law == 'bonded' .or. rule%law == 'shared') &
                         call shorten_step(solid, a, b, solid%links%table(a, b))
@@ -50,6 +56,7 @@ contains
         solid%links%bonds = any(solid%links%table%law == law_bonded .or. &
                                 solid%links%table%law == law_shared)
         if (.not. solid%links%present) return
+        solid%links%faces = any(solid%links%table%steep > 0)
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b), laws => solid%links%table(:, b)%law)
                 if (any(laws == law_bonded .or. laws == law_shared .or. laws == law_cohesive)) &
@@ -60,6 +67,14 @@ contains
         solid%links%cell = [(real(1/(solid%materials(solid%bodies(b)%material)%density &
                                      *solid%bodies(b)%volume_scale), rk), b=1, size(solid%bodies))]
     end subroutine set_up_interactions
+
+    !> True where contact may ever act.
+    pure logical function may_touch(m)
+        type(meeting_t), intent(in) :: m
+
+        may_touch = m%law == law_contact .or. m%law == law_cohesive .or. &
+                    (m%law == law_bonded .and. min(m%tensile, m%shear) < huge(m%shear))
+    end function may_touch
 
     !> The last rule of the deck that fits; else bonded where one cuts the other, else contact.
     pure subroutine find_rule(case, a, b, rule)
@@ -122,6 +137,8 @@ contains
             call flat_sum(solid%dimension, q%spacing, m, real(m%spacing, dp), touch, slope)
             m%touch = real(touch, rk)
             m%slope = real(slope*m%spacing, rk)
+            m%steep = real(slope/touch, rk)
+            m%reach = [p%face_share*real(p%spacing, rk), q%face_share*real(q%spacing, rk)]
             bulk = 2*real(s%bulk, dp)*t%bulk/(real(s%bulk, dp) + t%bulk)*rule%stiffness
             density = 2*real(s%density, dp)*t%density/(real(s%density, dp) + t%density)
             m%stiffness = real(bulk/2*(touch/(slope*m%spacing))**2, rk)

@@ -3,8 +3,10 @@
 module brz_row_items
     use brz_algebra, only: copy_matrix, inverse3, multiply3, to_matrix
     use brz_artificial_stress, only: artificial_none, artificial_stress
-    use brz_gradient, only: shear_limiter
-    use brz_kinds, only: real32, rk
+    use brz_contact_face, only: face_normal, face_past, face_strain, strain_face
+    use brz_gradient, only: piola, shear_limiter
+    use brz_kinds, only: int32, real32, rk
+    use brz_link_layout, only: n_press
     use brz_lone_layer, only: face_power
     use brz_material, only: material_t
     use brz_pair_force, only: axial_stiffness
@@ -15,7 +17,7 @@ module brz_row_items
     use brz_tension_hold, only: hold_stiffness
     implicit none
     private
-    public :: row_rules_t, rules_of, fill_row, stiffen_along, fill_hold, free_face
+    public :: row_rules_t, rules_of, fill_row, stiffen_along, fill_hold, free_face, move_face
 
     real(rk), parameter :: most_stretch = 1e6_rk !! no particle is drawn so far and held
 
@@ -190,4 +192,52 @@ contains
         end do
         energy(i) = energy(i) - time*face_power(b, h, s)*volume(1 + (i - 1)*step_v)/mass(i)
     end subroutine free_face
+
+    !> Strain the half layer at the face of a particle that may touch others.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine move_face(p, first, rows, step_v, total, tilted, dt, density, reach, count, &
+                              limp, row, grad, mu, volume, mass, face, press)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: rows, step_v !! of columns; distance of volumes
+        integer, intent(in) :: total, tilted !! 1: total-Lagrangian; with gradients by tilted arms
+        real(rk), intent(in) :: dt !! step just made, 0: none [s]
+        real(rk), intent(in) :: density !! unloaded [kg/m3]
+        real(rk), intent(in) :: reach !! of the face, see strain_face [m]
+        integer(int32), intent(in) :: count(*), limp(*)
+        real(rk), intent(in) :: row(n_pair, *), grad(rows, *), mu(*), volume(*), mass(*)
+        real(real32), intent(inout) :: face(rows, *) !! see brz_contact_face
+        real(rk), intent(inout) :: press(n_press, *) !! see links_t
+        real(rk) :: b(3, 3), h(3, 3), f(3, 3), s(3, 3), along(3, 3), normal(3), rho
+        integer :: c, i, j
+
+        i = first - 1 + p
+        if (count(i) == 0) return
+        rho = density*(1 + mu(i))
+        do c = 1, 3
+            normal(c) = face(i, face_normal + c)
+        end do
+        call copy_matrix(row(pair_stress + 1, i), b)
+        call copy_matrix(row(pair_affine + 1, i), f)
+        do j = 1, 3
+            do c = 1, 3
+                h(c, j) = grad(i, c + 3*(j - 1))
+                s(c, j) = normal(c)*normal(j)
+                if (tilted == 1) f(c, j) = grad(i, 9 + c + 3*(j - 1))
+            end do
+        end do
+        if (total == 1) then
+            call piola(f, s)
+        else
+            do j = 1, 3
+                do c = 1, 3
+                    s(c, j) = s(c, j)*(mass(i)/(rho*volume(1 + (i - 1)*step_v)))
+                end do
+            end do
+        end if
+        call multiply3(s, b, along)
+        call strain_face(dt, h, normal, along, merge(reach, 0.0_rk, limp(i) == 0), mass(i)/rho, &
+                         face(i, face_strain), face(i, face_past), press(6, i))
+    end subroutine move_face
 end module brz_row_items

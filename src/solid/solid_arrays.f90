@@ -2,6 +2,7 @@
 !> Allocation of the arrays of the particles, for a fresh start and for a restart alike.
 module brz_solid_arrays
     use brz_kinds, only: dp, int64, rk
+    use brz_contact_face, only: n_face
     use brz_link_layout, only: link_layout_t, link_unit, n_press
     use brz_solid_fields, only: fields_of, fields_t, make_fields, memory_of
     use brz_solid_state, only: body_t, lanes, solid_t
@@ -77,7 +78,7 @@ contains
             allocate (links%box(3, 2, size(solid%bodies)), source=0.0_dp)
             links%ends = solid%bodies%last
             links%lay = link_layout_t(size(solid%bodies), solid%dimension, &
-                                      merge(1, 0, allocated(solid%held)), 3, 1, 6, 1, 1, 1, &
+                                      merge(1, 0, allocated(solid%held)), 3, 1, 6, n_face, 1, 1, 1, &
                                       link_unit, real(solid%depth, rk))
             links%slice = 0
             links%count = 0

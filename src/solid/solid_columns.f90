@@ -5,7 +5,7 @@ module brz_solid_columns
     private
     public :: at_mu, at_energy, at_stress, at_damage, at_wave, at_bulk, at_mass, at_accel, at_hist
     public :: tag_id, tag_ply, tag_support, tag_fixed, tag_limp, tag_fault, &
-              tag_bond, tag_joined, tag_touch, tag_weight, n_tag
+              tag_bond, tag_joined, tag_touch, tag_weight, tag_face, n_tag, n_linked_tag
 
     ! columns of `state`
     integer, parameter :: at_mu = 1, at_energy = 2
@@ -21,4 +21,6 @@ module brz_solid_columns
     integer, parameter :: tag_joined = 8 !! cohesive interfaces that still hold it, a bit each
     integer, parameter :: tag_touch = 9, tag_weight = 10 !! real32, see links_t
     integer, parameter :: n_tag = 10
+    integer, parameter :: tag_face = 11 !! the first of n_face, real32; only where bodies meet
+    integer, parameter :: n_linked_tag = 16
 end module brz_solid_columns

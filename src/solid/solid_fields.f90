@@ -3,11 +3,12 @@
 !> back, and tests walk it, so that a new field is one line.
 module brz_solid_fields
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr, c_ptr
+    use brz_contact_face, only: face_edge, n_face
     use brz_kinds, only: int16, int32, int64, int8, real32, real64, rk
     use brz_resize, only: resize
     use brz_solid_columns, only: at_accel, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, tag_bond, tag_limp, tag_fixed, tag_id, tag_joined, tag_ply, tag_support, &
-        tag_touch, tag_weight
+        tag_face, tag_touch, tag_weight
     use brz_solid_state, only: bond_none, form_total, n_held, n_pair, solid_t
     implicit none
     private
@@ -77,6 +78,7 @@ contains
         solid%h = 0
         if (.not. solid%links%present) return
         solid%links%touch = 1
+        solid%links%face(face_edge, :) = 1
         solid%links%weight = 1
         solid%links%bond = bond_none
     end subroutine make_fields
@@ -130,6 +132,7 @@ contains
         call see(t, 'contact_weight', s%links%weight, linked, in_tag, tag_weight)
         call see(t, 'bond', s%links%bond, linked, in_tag, tag_bond)
         call see(t, 'joined', s%links%joined, .false., in_tag, tag_joined, derived=.true.)
+        call see(t, 'contact_face', s%links%face, n_face, linked, in_tag, tag_face)
         call see(t, 'owed', s%owed, held, in_state, next)
         call see(t, 'load', s%load, 3, .false., in_state, next)
         call see(t, 'face_stress', s%face_stress, 6, .false., in_state, next, derived=.true.)

@@ -171,7 +171,7 @@ contains
             is_sent = field%name == 'joined'
         case default
             is_sent = any(field%name == [character(16) :: 'pair', 'k_axes', 'held', 'stress', &
-                                         'press'])
+                                         'press', 'contact_face'])
         end select
     end function is_sent
 end module brz_solid_ghosts

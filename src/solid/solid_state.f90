@@ -202,6 +202,7 @@ module brz_solid_state
     type :: links_t
         logical :: present = .false.
         logical :: bonds = .false. !! some bodies are bonded
+        logical :: faces = .false. !! those of some may be in contact, see brz_contact_face
         type(meeting_t), allocatable :: table(:, :) !! (bodies, bodies) law of i's and j's body
         logical, allocatable :: met(:, :) !! (bodies, bodies) some particles of both have links
         real(dp), allocatable :: drift(:, :, :) !! (3, bodies, bodies) what the first had drifted
@@ -219,6 +220,7 @@ module brz_solid_state
         integer(int32), allocatable :: list(:) !! entries, see brz_link_layout
         real(rk), allocatable :: cell(:) !! (bodies) lattice volume per mass of particle [m3/kg]
         real(real32), allocatable :: touch(:) !! (n) kernel sum at which contact begins
+        real(real32), allocatable :: face(:, :) !! (n_face, n) see brz_contact_face
         real(real32), allocatable :: weight(:) !! (n) of its cell in sums of contact, 1 but at the
                                                !! surface of round bodies
         integer(int32), allocatable :: bond(:) !! (n) bond_none, ..., bond_breaks
@@ -226,7 +228,8 @@ module brz_solid_state
                                                  !! particle, a bit each, and, see loose_by, those
                                                  !! that let go of it; only where there are some
         real(rk), allocatable :: press(:, :) !! (n_press, 0:rows) pressure of contact [Pa]; its
-                                             !! gradient of the kernel sum [1/m]; stiffness [Pa]
+                                             !! gradient of the kernel sum [1/m]; stiffness [Pa];
+                                             !! what its face adds to the row, see strain_face
         real(rk), allocatable :: push(:, :) !! (9, 0:rows) forces of contact: springs, drag [N];
                                             !! moment of drag on what turns [N m]
     end type links_t

@@ -4,7 +4,7 @@ module brz_check
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
     use brz_advice, only: print_advice
     use brz_air_setup, only: time_step_ramp
-    use brz_body_setup, only: meeting_speed
+    use brz_meeting_speed, only: meeting_speed
     use brz_case, only: body_case_t, case_t
     use brz_outlines, only: body_box
     use brz_check_meetings, only: print_meetings
