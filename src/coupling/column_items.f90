@@ -12,13 +12,14 @@ module brz_column_items
     use brz_cell_shells, only: index_along
     use brz_column_rules, only: direction_of, height_of, side_of, sign_of
     use brz_coupling_box, only: box_t, go_on, is_own, place_at
+    use brz_face_stress, only: layers_t, load_below
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_load_rules, only: gas_push, gauge_force, load_weight
     use brz_scheme, only: mixture_gamma, scheme_t
     implicit none
     private
     public :: find_above, weigh_column, feel_gas, press_face, book_face, load_particle
-    public :: depth_weight, force_from, look_ahead
+    public :: bear_load, depth_weight, force_from, look_ahead
 
     integer, parameter :: at_once = 8 !! particles of a bin
 
@@ -68,16 +69,27 @@ contains
         real(dp), intent(in) :: x !! of the particle, along the direction [m]
         real(rk), intent(in) :: mass !! [kg]
         real(rk) :: w
-        real(dp) :: depth
+
+        w = mass*load_weight(depth_below(box, row, seen, gas, surface, x), &
+                             real(box%spread*box%dx(direction_of(row)), rk))
+    end function depth_weight
+
+    !> Depth of a particle below the outermost one of its column [m].
+    !@cuf attributes(host,device) &
+    pure function depth_below(box, row, seen, gas, surface, x) result(depth)
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: row, seen !! see depth_weight
+        integer(int32), intent(in) :: gas
+        real(dp), intent(in) :: surface, x !! [m]
+        real(rk) :: depth
         integer :: d, g
 
         d = direction_of(row)
         g = box%before(d) + index_along(box%n, gas, d)
         if (seen /= row) g = merge(1, 2*box%whole(d) + 1, sign_of(seen) > 0) - g
-        depth = height_of(x, box%lo(d), box%dx(d), box%n(d), box%wraps(d), g, sign_of(seen)) &
-                - surface
-        w = mass*load_weight(real(depth, rk), real(box%spread*box%dx(d), rk))
-    end function depth_weight
+        depth = real(height_of(x, box%lo(d), box%dx(d), box%n(d), box%wraps(d), g, &
+                               sign_of(seen)) - surface, rk)
+    end function depth_below
 
     !> Force of a face, or of its image, on what it loads from a side [N].
     !@cuf attributes(host,device) &
@@ -282,4 +294,46 @@ contains
             load(1 + (d - 1)*step_d + (p - 1)*step_p) = total
         end do
     end subroutine load_particle
+
+    !> Stress that a particle of a body lacks because the load of its columns is spread over depth:
+    !> the part of each pressure that acts below it. See brz_face_stress.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine bear_load(t, first, box, layers, wide, step_d, step_t, home, above, gas, rows, &
+                              surface, weight, force, x, mass, face_stress)
+        integer, intent(in) :: t !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        type(box_t), intent(in) :: box
+        type(layers_t), intent(in) :: layers !! of the body
+        integer, intent(in) :: wide !! rows of x
+        integer, intent(in) :: step_d, step_t
+        !! distances in `face_stress` of components, of particles
+        integer(int32), intent(in) :: home(*), gas(*), rows(*)
+        integer, intent(in) :: above(6, *)
+        real(dp), intent(in) :: surface(*)
+        real(rk), intent(in) :: weight(*), force(*)
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: mass(*)
+        real(rk), intent(inout) :: face_stress(*) !! [Pa]
+        real(rk) :: depth, total
+        integer :: d, f, p, row, side
+
+        p = first - 1 + t
+        do d = 1, 3
+            total = 0
+            if (home(p) > 0 .and. box%n(d) > 1) then
+                do side = 0, 1
+                    row = 2*d - side
+                    f = above(row, home(p))
+                    if (f == 0) cycle
+                    depth = depth_below(box, rows(f), row, gas(f), surface(f), x(d, p))/ &
+                            layers%apart(d)
+                    total = total - sign_of(rows(f))*force(f)* &
+                            load_below(layers, d, depth, weight(f)/(mass(p)*layers%across(d)))
+                end do
+                total = total/(real(box%area(d), rk)*layers%share)
+            end if
+            face_stress(1 + (d - 1)*step_d + (p - 1)*step_t) = total
+        end do
+    end subroutine bear_load
 end module brz_column_items

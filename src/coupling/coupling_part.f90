@@ -37,6 +37,7 @@ module brz_coupling_part
         integer(int32), allocatable :: first_at(:) !! (processes + 1) those of `out`
         integer(int32), allocatable :: seat(:) !! 1, 2, 3, ... for as many as there is room for
         real(rk), allocatable :: loads(:, :) !! (3, out) that have come back
+        real(rk), allocatable :: stresses(:, :) !! (6, out) of loaded faces, likewise
         ! wall faces: impulses go from who has the gas to who has loads to hand out
         type(parcels_t) :: faces_out, faces_in
         type(parcels_t) :: debts_out, debts_in

@@ -8,12 +8,14 @@ module brz_coupling_setup
     use brz_boxes, only: cells_t
     use brz_case, only: case_t
     use brz_cell_shells, only: make_shells
+    use brz_coupling_box, only: box_t
     use brz_coupling_guests, only: open_windows, see_window
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: move_walls
     use brz_debt_steps, only: enter_debts, size_debts
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_event_steps, only: put_up_walls
+    use brz_face_stress, only: spread_shares
     use brz_guest_steps, only: invite_guests
     use brz_kinds, only: dp, int32, rk
     use brz_positivity, only: floors_of
@@ -62,6 +64,7 @@ contains
         coupling%reference_pressure = reference_pressure
         coupling%wraps = air%bc(1, :) == bc_periodic .and. air%n > 1
         call make_box(air, coupling)
+        call lay_layers(coupling%box, solid)
         call make_shells(coupling%box%whole, coupling%shells)
         if (coupling%shells%n >= 3 .and. count(coupling%box%whole > 1) > 1) &
             coupling%level = 1/3.0_rk**count(coupling%box%whole > 1)
@@ -132,6 +135,31 @@ contains
         coupling%box%grid%n = coupling%box%n
         coupling%box%grid%g = air%g - (air%before - coupling%box%before) ! cell 1 of the window
     end subroutine make_box
+
+    !> The lattices of bodies under the faces of the air.
+    subroutine lay_layers(box, solid)
+        type(box_t), intent(in) :: box
+        type(solid_t), intent(inout) :: solid
+        real(dp) :: per_cell(3)
+        integer :: b, d
+
+        do b = 1, size(solid%bodies)
+            associate (body => solid%bodies(b), layers => solid%bodies(b)%layers)
+                if (.not. body%face_share > 0) cycle
+                layers%share = body%face_share
+                layers%apart = real(body%spacing/body%stretch, rk)
+                per_cell = 1
+                where (box%whole > 1) per_cell = box%dx/layers%apart
+                layers%across = real(product(per_cell)/per_cell, rk)
+                do d = 1, 3
+                    if (box%whole(d) == 1) cycle
+                    layers%range(d) = real(box%spread*per_cell(d), rk)
+                    layers%more(:, d) = spread_shares(solid%dimension, &
+                        real(body%h/body%spacing, dp), real(layers%range(d), dp))
+                end do
+            end associate
+        end do
+    end subroutine lay_layers
 
     !> Ends of a window that are ends of a kind of the grid, in the directions that are modelled.
     pure subroutine find_ends(outer, window, whole, ends)

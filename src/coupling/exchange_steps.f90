@@ -17,7 +17,7 @@ module brz_exchange_steps
     use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: solid_t
     use brz_velocity_loops, only: each_keep_velocity
-    use brz_wall_steps, only: keep_velocities, press_bodies
+    use brz_wall_steps, only: keep_velocities, press_bodies, stress_faces
     implicit none
     private
     public :: set_wall_velocity, spread_load, load_carriers, wake_loaded, reclassify
@@ -59,9 +59,11 @@ contains
             call each_keep_velocity(p%n, p%wide, p%step_d, p%step_p, p%v, c%part%seat, p%v_before)
             call share_impulses(c)
             call press_bodies(c%guests, c, dt)
-            call send_loads_home(p, c)
+            call stress_faces(solid, c%guests, c)
+            call send_loads_home(solid, p, c)
         else
             call press_bodies(p, c, dt)
+            call stress_faces(solid, p, c)
         end if
         call load_carriers(solid, p, c)
     end subroutine spread_load

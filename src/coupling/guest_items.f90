@@ -160,11 +160,12 @@ contains
         end do
     end subroutine mark_cells
 
-    !> The load of a particle, from the process in whose box it is: none comes from others.
+    !> The load of a particle, or the stress of its faces, from the process in whose box it is: none
+    !> comes from others.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine take_load(k, boxes, first, asks, box, wide, x, fixed, step_d, step_p, place, &
-                              came, load)
+                              parts, came, load)
         integer, intent(in) :: k !! copies of particles that others have, box by box
         integer, intent(in) :: boxes
         integer(int32), intent(in) :: first(*)
@@ -174,9 +175,10 @@ contains
         integer, intent(in) :: wide !! rows of x
         real(dp), intent(in) :: x(wide, *) !! [m]
         integer(int32), intent(in) :: fixed(*)
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in load
+        integer, intent(in) :: step_d, step_p !! distances of parts and particles in load
         integer(int32), intent(in) :: place(*) !! of particles, those without copies elsewhere too
-        real(rk), intent(in) :: came(3, *) !! loads of the copies [N]
+        integer, intent(in) :: parts !! of a load, or of a stress
+        real(rk), intent(in) :: came(parts, *) !! loads of the copies [N]
         real(rk), intent(inout) :: load(*)
         integer :: d, p, r
 
@@ -185,7 +187,7 @@ contains
         end do
         p = place(k + first(boxes + 1 + r))
         if (.not. is_in(asks(1, r), cell_of_grid(box, x(1, p), fixed(p)))) return
-        do d = 1, 3
+        do d = 1, parts
             load(1 + (d - 1)*step_d + (p - 1)*step_p) = came(d, k)
         end do
     end subroutine take_load

@@ -51,7 +51,7 @@ contains
             end if
         end if
         if (missed > 0) then
-            call list_guests(p, c)
+            call list_guests(solid, p, c)
             call send_guests(p, c, .true.)
             call list_now(solid, c%part%since) !@host
             c%part%rebuilds = p%rebuilds
@@ -61,7 +61,8 @@ contains
     end subroutine invite_guests
 
     !> List the particles in the windows and a layer around, and give them places there.
-    subroutine list_guests(p, c)
+    subroutine list_guests(solid, p, c)
+        class(solid_t), intent(in) :: solid !! its bodies
         type(solid_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         integer(int64), dimension(size(p%bodies), c%ranks%n) :: out, in
@@ -78,7 +79,7 @@ contains
             call tell_all(c%ranks, out, all) !@host
             in = all(:, c%ranks%rank + 1, :)
             call list_marks(n, out, part%listed, part%out)
-            call seat_guests(c, in, n)
+            call seat_guests(c, in, n, allocated(solid%face_stress))
             ! on their way home loads of others come in the order of the list
             none = 0
             away = reshape(sum(out, 1), [1, boxes])
@@ -86,6 +87,8 @@ contains
             call place_pieces(away, none, part%marks, part%home)
             call put_list([part%home%first, part%out%first - part%home%first], part%first_at)
             call at_least(part%loads, 3, part%home%first(boxes) - 1)
+            if (allocated(solid%face_stress)) &
+                call at_least(part%stresses, 6, part%home%first(boxes) - 1)
             !@gpu call find_runs(p, out, in, c)
             !@gpu call part%parcels%aim(sum(all, 1), part%out)
             !@gpu call part%parcels%aim(transpose(sum(all, 1)), part%in)
@@ -93,10 +96,11 @@ contains
     end subroutine list_guests
 
     !> Places for the guests, body by body.
-    subroutine seat_guests(c, number, particles)
+    subroutine seat_guests(c, number, particles, pressed)
         type(coupling_t), intent(inout) :: c
         integer(int64), intent(in) :: number(:, :) !! (bodies, processes) that come
         integer, intent(in) :: particles !! of this process
+        logical, intent(in) :: pressed !! loads bring a stress to faces
         integer :: b, n, taken(size(number, 1))
 
         n = 0
@@ -108,7 +112,7 @@ contains
             c%crowd%bodies(b)%first = taken(b) + 1
             c%crowd%bodies(b)%last = n
         end do
-        call size_guests(c, n)
+        call size_guests(c, n, pressed)
         associate (part => c%part)
             call place_pieces(number, taken, part%marks, part%in)
             n = max(n, particles)
@@ -121,15 +125,20 @@ contains
     end subroutine seat_guests
 
     !> Room for n guests; those that were there are gone.
-    subroutine size_guests(c, n)
+    subroutine size_guests(c, n, pressed)
         type(coupling_t), intent(inout) :: c
         integer, intent(in) :: n
+        logical, intent(in) :: pressed !! loads bring a stress to faces
 
         c%guests%n = n
         !@gpu c%guests%step_d = n
         call at_least(c%guests%x, c%guests%wide, n)
         call at_least(c%guests%v, c%guests%wide, n)
         call at_least(c%guests%load, 3, n)
+        if (pressed) then
+            call at_least(c%guests%face_stress, 6, n)
+            call clear_reals(6*n, c%guests%face_stress) ! of bodies that never have one
+        end if
         call at_least(c%guests%v_before, 3, n)
         call at_least(c%guests%mass, n)
         call at_least(c%guests%volume, n) !@cpu
@@ -142,21 +151,38 @@ contains
 
     !> Give every particle the load that the process found in whose cell it is; none outside. Those
     !> in the window of their own process have what this found, unless another one says better.
-    subroutine send_loads_home(p, c)
+    subroutine send_loads_home(solid, p, c)
+        class(solid_t), intent(in) :: solid !! its bodies
         type(solid_t), intent(inout), target :: p
         type(coupling_t), intent(inout), target :: c
-        type(rows_t) :: from(1), to(1), own(1)
+        type(rows_t) :: from(2), to(2), own(2)
+        integer :: n
 
-        from = [rows_of(c%guests%load, 3*words_of_real)] !@cpu
-        own = [rows_of(p%load, 3*words_of_real)] !@cpu
-        !@gpu from = [rows_of(c%guests%load, words_of_real, 3, c%guests%n)]
-        !@gpu own = [rows_of(p%load, words_of_real, 3, p%step_d)]
-        to = [rows_of(c%part%loads, 3*words_of_real)]
+        n = merge(2, 1, allocated(solid%face_stress))
+        from(1) = rows_of(c%guests%load, 3*words_of_real) !@cpu
+        own(1) = rows_of(p%load, 3*words_of_real) !@cpu
+        !@gpu from(1) = rows_of(c%guests%load, words_of_real, 3, c%guests%n)
+        !@gpu own(1) = rows_of(p%load, words_of_real, 3, p%step_d)
+        to(1) = rows_of(c%part%loads, 3*words_of_real)
+        if (n == 2) then
+            from(2) = rows_of(c%guests%face_stress, 6*words_of_real) !@cpu
+            own(2) = rows_of(p%face_stress, 6*words_of_real) !@cpu
+            !@gpu from(2) = rows_of(c%guests%face_stress, words_of_real, 6, c%guests%n)
+            !@gpu own(2) = rows_of(p%face_stress, words_of_real, 6, p%step_d)
+            to(2) = rows_of(c%part%stresses, 6*words_of_real)
+            call clear_reals(6*p%n, p%face_stress) !@cpu
+            !@gpu call clear_reals(6*p%step_d, p%face_stress)
+        end if
         call clear_reals(3*p%n, p%load) !@cpu
         !@gpu call clear_reals(3*p%step_d, p%load)
-        call c%part%parcels%send_apart(c%part%in, c%part%home, from, to, c%part%out, own)
+        call c%part%parcels%send_apart(c%part%in, c%part%home, from(:n), to(:n), c%part%out, &
+                                       own(:n))
         call each_take_load(c%part%home%first(c%ranks%n) - 1, c%ranks%n, c%part%first_at, &
                             c%part%boxes_at, c%box, p%wide, p%x, p%fixed, p%step_d, p%step_p, &
-                            c%part%out%place, c%part%loads, p%load)
+                            c%part%out%place, 3, c%part%loads, p%load)
+        if (n == 2) call each_take_load(c%part%home%first(c%ranks%n) - 1, c%ranks%n, &
+                                        c%part%first_at, c%part%boxes_at, c%box, p%wide, p%x, &
+                                        p%fixed, p%step_d, p%step_t, c%part%out%place, 6, &
+                                        c%part%stresses, p%face_stress)
     end subroutine send_loads_home
 end module brz_guest_steps

@@ -3,8 +3,8 @@
 !> their order. scripts/steps.py writes the same for the GPU.
 module brz_wall_steps
     use brz_air_state, only: air_t
-    use brz_column_loops, only: each_book_face, each_feel_gas, each_load_particle, &
-        each_press_face, each_weigh_column
+    use brz_column_loops, only: each_bear_load, each_book_face, each_feel_gas, &
+        each_load_particle, each_press_face, each_weigh_column
     use brz_coupling_state, only: coupling_t
     use brz_kinds, only: dp, int32, rk
     use brz_solid_state, only: solid_t
@@ -12,6 +12,7 @@ module brz_wall_steps
     implicit none
     private
     public :: find_mean_velocity, weigh_columns, feel_gas, push_walls, keep_velocities, press_bodies
+    public :: stress_faces
 
 contains
 
@@ -88,4 +89,23 @@ contains
         c%books%impulse = c%books%impulse + given !@cpu
         c%books%impulse_reference = c%books%impulse_reference + taken !@cpu
     end subroutine press_bodies
+
+    !> Stress that the loads bring to the faces of bodies, after press_bodies.
+    subroutine stress_faces(solid, p, c)
+        class(solid_t), intent(in) :: solid !! its bodies
+        type(solid_t), intent(inout) :: p !! its particles
+        type(coupling_t), intent(inout) :: c
+        integer :: b
+
+        if (.not. allocated(solid%face_stress)) return
+        do b = 1, size(solid%bodies)
+            if (.not. solid%bodies(b)%face_share > 0 .or. solid%bodies(b)%asleep) cycle
+            associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
+                call each_bear_load(last - first + 1, first, c%box, &
+                    solid%bodies(b)%layers, p%wide, p%step_d, p%step_t, c%place_of, &
+                    c%above, c%gas, c%rows, c%surface, c%weight, c%force, p%x, p%mass, &
+                    p%face_stress)
+            end associate
+        end do
+    end subroutine stress_faces
 end module brz_wall_steps

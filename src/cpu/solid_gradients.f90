@@ -228,8 +228,7 @@ contains
                                     real(stable_step(body%cfl, size, shrink*c_wave, shrink*c_bulk, &
                                                      body%alpha, body%beta, h), dp))
         rho = solid%materials(body%material)%density*(1 + solid%mu(i))
-        if (allocated(solid%face_stress)) solid%search%sums(4, k) = solid%search%sums(4, k) &
-            + dt*body%face_share*face_work(solid%face_stress(:, i), h)*solid%mass(i)/rho
+        if (allocated(solid%face_stress)) call book_face(solid, body, dt, i, k, rho, h)
         call working_stress(solid, body, i, dt > 0, rho, f, s)
         if (tilted) b = transpose(b)
         call multiply3(s, b, solid%pair(pair_stress + 1, i))
@@ -250,6 +249,25 @@ contains
                            sum(sums(:solid%dimension)))
         if (solid%held(held_stiffness, i) > 0) solid%search%drawn(k) = .true.
     end subroutine advance
+
+    !> Book the work of the stress that a load brings to faces: it is work of the load. The air pays
+    !> that on the velocity of its surface cells, which lies as deep as its load, and no more: the
+    !> rest is taken out of the energy of the layer above.
+    pure subroutine book_face(solid, body, dt, i, k, rho, h)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: dt
+        integer, intent(in) :: i, k !! particle and its block
+        real(rk), intent(in) :: rho, h(3, 3) !! [kg/m3], velocity gradient [1/s]
+        real(dp) :: work !! of its mass [J/kg]
+
+        work = dt*body%face_share*face_work(solid%face_stress(:, i), h)/rho
+        if (allocated(solid%loads%of)) then
+            solid%search%sums(4, k) = solid%search%sums(4, k) + work*solid%mass(i)
+        else
+            solid%energy(i) = real(solid%energy(i) - work, rk)
+        end if
+    end subroutine book_face
 
     !> The stress that acts along the arms of the pairs, less what the load brings by the faces.
     pure subroutine working_stress(solid, body, i, loaded, rho, f, s)

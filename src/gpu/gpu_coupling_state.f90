@@ -52,9 +52,9 @@ module brz_gpu_coupling_state
 
     !> Particles as the steps see them, see solid_t.
     type :: seen_t
-        integer :: n = 0, wide = 4, step_d = 0, step_p = 1
+        integer :: n = 0, wide = 4, step_d = 0, step_p = 1, step_t = 1
         type(doubles_t) :: x
-        type(reals_t) :: v, mass, load
+        type(reals_t) :: v, mass, load, face_stress
         type(integers_t) :: fixed, id
         type(range_t), allocatable :: bodies(:)
         ! on several processes
@@ -73,7 +73,7 @@ module brz_gpu_coupling_state
         type(gpu_marks_t) :: listed, marks
         type(listing_t) :: since
         type(integers_t) :: bodies_at, first_at, seat
-        type(reals_t) :: loads
+        type(reals_t) :: loads, stresses
         type(gpu_places_t) :: faces_out, faces_in, debts_out, debts_in
     end type gpu_coupling_part_t
 

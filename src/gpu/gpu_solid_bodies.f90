@@ -100,6 +100,7 @@ contains
         params%springs = merge(1, 0, material%class == class_elastic)
         params%owed = column%owed
         params%grip = column%grip
+        params%in_air = merge(0, 1, allocated(solid%loads%of))
         params%face_stress = merge(column%face_stress, 0, solid%bodies(b)%face_share > 0)
         gpu%first = params%first
         gpu%last = params%last

@@ -76,6 +76,7 @@ module brz_gpu_solid_layout
         integer :: variable !! 1: the smoothing length follows the density
         integer :: springs !! 1: back from any expansion
         integer :: owed !! column of `state` with what the hold owes, see brz_solid_state
+        integer :: in_air !! 1: the air loads the bodies
         integer :: face_stress !! column of `state` before that of the load on its faces, 0: none
         integer :: grip !! column of `state` before the force on what holds a particle, 0: none
         integer :: keep_force !! 1: impulses on held particles add up; 0: those of one step

@@ -58,6 +58,8 @@ contains
         call set_up_interactions(case, solid, err)
         call allocate_solid(solid)
         if (case%air%present) allocate (solid%load(3, solid%n), source=0.0_rk)
+        if (case%air%present .and. any(solid%bodies%face_share > 0)) &
+            allocate (solid%face_stress(6, solid%n), source=0.0_rk)
         do b = 1, size(solid%bodies)
             call fill_body(case%bodies(b), points(b), solid, solid%bodies(b))
             if (allocated(points(b)%mesh%corner)) &

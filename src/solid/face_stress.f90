@@ -11,10 +11,21 @@
 !> Source: docs/solid.md section 4, loaded faces
 module brz_face_stress
     use brz_kernel, only: kernel_slope
-    use brz_kinds, only: rk
+    use brz_kinds, only: dp, rk
     implicit none
     private
-    public :: add_face_stress, face_share, face_work
+    public :: add_face_stress, face_share, face_work, layers_t, load_below, spread_shares
+
+    !> The lattice of a body under the faces of the air, whose load is spread over depth.
+    type :: layers_t
+        real(rk) :: apart(3) = 0 !! distance of layers [m]
+        real(rk) :: across(3) = 0 !! particles of a layer per face of the air
+        real(rk) :: range(3) = 0 !! where the weights have fallen to 0, in layers
+        real(rk) :: more(3, 3) = 0 !! see spread_shares; of each direction
+        real(rk) :: share = 0 !! face_share of the body, for which the stress is kept
+    end type layers_t
+
+    integer, parameter :: most_layers = 64 !! in the reach of a load; beyond, none is missed
 
 contains
 
@@ -58,35 +69,108 @@ contains
     pure real(rk) function face_share(dimension, h) result(share)
         integer, intent(in) :: dimension
         real(rk), intent(in) :: h !! smoothing length over spacing
-        integer, parameter :: most = 16 !! layers, more than any pair reaches
-        real(rk) :: w(0:most), d(0:most, 0:most), moment, missing(0:most)
-        integer :: i, j, k, m, n(2)
+        integer, parameter :: most = 17 !! layers, more than any pair reaches
+        real(dp) :: d(most, most), missing(most)
 
-        n = 0
-        n(:dimension - 1) = ceiling(2*h)
+        d = layer_gradient(dimension, real(h, dp), most)
+        missing = sum(d, dim=1)
+        missing(1) = missing(1) - 1
+        missing(most/2 + 1:) = 0 ! what the other end of the lattice asks for
+        share = real(dot_product(missing, d(1, :))/dot_product(d(1, :), d(1, :)), rk)
+    end function face_share
+
+    !> The gradient across the layers of a regular lattice from a face inwards, along the outward
+    !> normal: value in layer j to gradient in layer i.
+    pure function layer_gradient(dimension, h, n) result(d)
+        integer, intent(in) :: dimension
+        real(dp), intent(in) :: h !! smoothing length over spacing
+        integer, intent(in) :: n !! layers
+        real(dp) :: d(n, n), moment, w(0:n)
+        integer :: i, j, k, m, side(2)
+
+        side = 0
+        side(:dimension - 1) = ceiling(2*h)
         w = 0
-        do m = 0, most
-            do k = -n(2), n(2)
-                do j = -n(1), n(1)
-                    w(m) = w(m) + kernel_slope(1.0_rk, 1/(2*h), sqrt(real(j*j + k*k + m*m, rk)))
+        do m = 0, n
+            do k = -side(2), side(2)
+                do j = -side(1), side(1)
+                    w(m) = w(m) + kernel_slope(1.0_rk, real(1/(2*h), rk), &
+                                               sqrt(real(j*j + k*k + m*m, rk)))
                 end do
             end do
         end do
-        d = 0 ! of layers from the face inwards, along the outward normal
-        do i = 0, most
+        d = 0
+        do i = 1, n
             moment = 0
-            do j = 0, most
+            do j = 1, n
                 moment = moment + w(abs(i - j))*(i - j)**2
             end do
-            do j = 0, most
+            do j = 1, n
                 if (j == i) cycle
                 d(i, j) = w(abs(i - j))*(i - j)/moment
                 d(i, i) = d(i, i) - d(i, j)
             end do
         end do
-        missing = sum(d, dim=1)
-        missing(0) = missing(0) - 1
-        missing(most/2:) = 0 ! what the other end of the lattice asks for
-        share = dot_product(missing, d(0, :))/dot_product(d(0, :), d(0, :))
-    end function face_share
+    end function layer_gradient
+
+    !> How much more of a load than load_below says without acts below the first three layers, where
+    !> weights fall linearly over depth; in the weight of the first.
+    !>
+    !> The stress tau that uniform stress needs besides the loads f solves D^T tau = D^T 1 - f, with
+    !> D the gradient across the layers: the shortest one, by conjugate gradients.
+    pure function spread_shares(dimension, h, range) result(more)
+        integer, intent(in) :: dimension
+        real(dp), intent(in) :: h !! smoothing length over spacing
+        real(dp), intent(in) :: range !! where the weights have fallen to 0, in layers
+        real(rk) :: more(3)
+        real(dp), allocatable :: d(:, :), f(:), left(:), slope(:), step(:), tau(:)
+        type(layers_t) :: plain
+        real(dp) :: a, square
+        integer :: k, n
+
+        more = 0
+        if (range > most_layers) return
+        n = 2*(ceiling(range) + 8)
+        d = layer_gradient(dimension, h, n)
+        f = [(max(1 - k/range, 0.0_dp), k=0, n - 1)]
+        left = sum(d, dim=1) - f/sum(f)
+        left(n/2 + 1:) = 0 ! what the other end of the lattice asks for
+        tau = 0*f
+        slope = matmul(d, left)
+        step = slope
+        do k = 1, n
+            square = dot_product(slope, slope)
+            if (square <= 1e-20_dp) exit
+            a = square/sum(matmul(step, d)**2)
+            tau = tau + a*step
+            left = left - a*matmul(step, d)
+            slope = matmul(d, left)
+            step = slope + dot_product(slope, slope)/square*step
+        end do
+        plain%range = real(range, rk)
+        do k = 1, 3
+            more(k) = real(sum(f)*tau(k), rk) - real(sum(f), rk)* &
+                      load_below(plain, 1, real(k - 1, rk), real(sum(f), rk))
+        end do
+    end function spread_shares
+
+    !> Part of a load that acts below the middle of a layer: all but the weights of the layers above
+    !> it and half of its own, and `more` in the first three.
+    !@cuf attributes(host,device) &
+    pure function load_below(layers, d, depth, weight) result(part)
+        type(layers_t), intent(in) :: layers
+        integer, intent(in) :: d !! direction
+        real(rk), intent(in) :: depth !! below the outermost layer, in layers
+        real(rk), intent(in) :: weight !! of all layers of the column, in that of the outermost
+        real(rk) :: part
+        integer :: k
+
+        part = 0
+        if (depth >= layers%range(d)) return
+        part = weight - (depth + 0.5_rk - depth*depth/(2*layers%range(d)))
+        do k = 1, 3
+            part = part + layers%more(k, d)*max(1 - abs(depth - (k - 1)), 0.0_rk)
+        end do
+        part = max(part/weight, 0.0_rk)
+    end function load_below
 end module brz_face_stress

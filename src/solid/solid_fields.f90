@@ -135,7 +135,11 @@ contains
         call see(t, 'contact_face', s%links%face, n_face, linked, in_tag, tag_face)
         call see(t, 'owed', s%owed, held, in_state, next)
         call see(t, 'load', s%load, 3, .false., in_state, next)
-        call see(t, 'face_stress', s%face_stress, 6, .false., in_state, next, derived=.true.)
+        if (allocated(s%loads%of)) then ! each step finds it anew
+            call see(t, 'face_stress', s%face_stress, 6, .false., in_state, next, derived=.true.)
+        else
+            call see(t, 'face_stress', s%face_stress, 6, .false., in_state, next)
+        end if
         call see(t, 'v_before', s%v_before, 3, .false., in_state, next, derived=.true.)
         call see(t, 'grip', s%grip, 3, .false., in_state, next, derived=.true.)
         call see(t, 'pair', s%pair, n_pair, .true., nowhere, 0, derived=.true.)

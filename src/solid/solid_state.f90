@@ -7,6 +7,7 @@ module brz_solid_state
     use brz_artificial_stress, only: artificial_none
     use brz_cohesive_state, only: cohesive_t
     use brz_face_load, only: loads_t
+    use brz_face_stress, only: layers_t
     use brz_contact, only: meeting_t
     use brz_link_layout, only: link_layout_t
     use brz_kinds, only: dp, int16, int32, int64, int8, real32, rk
@@ -127,6 +128,7 @@ module brz_solid_state
         real(rk) :: lift = 0 !! of its faces over their tilt, see brz_tilted_arm
         real(rk) :: layer_stiffness(9) = 0 !! C11, C22, C33, C12, C23, C13, G12, G23, G13 [Pa]
         real(rk) :: contraction = 0 !! along the normal over the growth of the area
+        type(layers_t) :: layers !! under the faces of the air
         real(rk) :: face_share = 0 !! of the stress of loaded faces, see brz_face_stress; 0: none
     end type body_numbers_t
 

@@ -135,8 +135,8 @@ contains
         integer :: b
 
         p = seen_t(n=solid%n, step_d=solid%step_d, x=solid%x, v=solid%v, mass=solid%mass, &
-                   load=solid%load, fixed=solid%fixed, id=solid%id, v_before=solid%v_before, &
-                   rebuilds=solid%laid)
+                   load=solid%load, face_stress=solid%face_stress, fixed=solid%fixed, id=solid%id, &
+                   v_before=solid%v_before, rebuilds=solid%laid)
         p%bodies = [(range_t(solid%bodies(b)%first, solid%bodies(b)%last), b=1, size(solid%bodies))]
     end function particles_of
 end module brz_backend

@@ -155,6 +155,8 @@ contains
         few%links%present = size(few%bodies) > 1
         call allocate_solid(few)
         if (case%air%present) allocate (few%load(3, few%n), source=0.0_rk)
+        if (case%air%present .and. any(few%bodies%face_share > 0)) &
+            allocate (few%face_stress(6, few%n), source=0.0_rk)
         of_particle = bytes_per_particle(few)
     end function of_particle
 
