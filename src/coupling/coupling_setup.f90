@@ -141,8 +141,9 @@ contains
         type(box_t), intent(in) :: box
         type(solid_t), intent(inout) :: solid
         real(dp) :: per_cell(3)
-        integer :: b, d
+        integer :: b, d, k
 
+        if (.not. allocated(solid%bodies)) return
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b), layers => solid%bodies(b)%layers)
                 if (.not. body%face_share > 0) cycle
@@ -154,6 +155,8 @@ contains
                 do d = 1, 3
                     if (box%whole(d) == 1) cycle
                     layers%range(d) = real(box%spread*per_cell(d), rk)
+                    layers%whole(d) = real(sum([(max(1 - k/layers%range(d), 0.0_rk), &
+                                                 k=0, int(layers%range(d)))]), rk)
                     layers%more(:, d) = spread_shares(solid%dimension, &
                         real(body%h/body%spacing, dp), real(layers%range(d), dp))
                 end do

@@ -21,6 +21,7 @@ module brz_face_stress
         real(rk) :: apart(3) = 0 !! distance of layers [m]
         real(rk) :: across(3) = 0 !! particles of a layer per face of the air
         real(rk) :: range(3) = 0 !! where the weights have fallen to 0, in layers
+        real(rk) :: whole(3) = 0 !! weight of a column that is as deep, in that of a layer
         real(rk) :: more(3, 3) = 0 !! see spread_shares; of each direction
         real(rk) :: share = 0 !! face_share of the body, for which the stress is kept
     end type layers_t
@@ -168,7 +169,8 @@ contains
         part = 0
         if (depth >= layers%range(d)) return
         part = weight - (depth + 0.5_rk - depth*depth/(2*layers%range(d)))
-        do k = 1, 3
+        ! of a thinner body none: its gradients are others, those of two layers as plain as this
+        do k = 1, merge(3, 0, weight > 0.9_rk*layers%whole(d))
             part = part + layers%more(k, d)*max(1 - abs(depth - (k - 1)), 0.0_rk)
         end do
         part = max(part/weight, 0.0_rk)

@@ -29,7 +29,7 @@ contains
         logical :: pressed !! by contact or by the air
         integer :: a, b, k
 
-        pressed = case%air%present .and. case%coupling%present
+        pressed = .false.
         allocate (kinds(0))
         do a = 1, size(case%bodies) - 1
             do b = a + 1, size(case%bodies)
@@ -45,7 +45,7 @@ contains
             write (output_unit, '(4a)') 'meeting      ', kinds(k)%law, ': ', kinds(k)%names
         end do
         if (pressed .and. any(case%bodies%formulation /= 'rigid')) write (output_unit, '(2a)') &
-            'faces        the outermost layer has half of the pressure of contact and air as ', &
+            'faces        the outermost layer has half of the pressure of contact as ', &
             'its stress (docs/solid.md, loaded faces)'
     end subroutine print_meetings
 
