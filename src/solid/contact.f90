@@ -4,7 +4,8 @@
 !> Each particle sums the kernel over the particles of other bodies. Where the sum exceeds that of a
 !> flat surface one spacing away the bodies press on each other, with the potential energy
 !> V kappa e^2/2 of the excess e: central forces, equal and opposite, and a surface of particles
-!> is flat to 0.4 % of a spacing. Damping and friction act along and across the common normal.
+!> is flat to 0.4 % of a spacing (0.7 % where the springs of one body act alone). Damping and
+!> friction act along and across the common normal.
 !>
 !> Source: docs/solid.md section 9
 module brz_contact

@@ -70,13 +70,14 @@ contains
     pure real(rk) function face_share(dimension, h) result(share)
         integer, intent(in) :: dimension
         real(rk), intent(in) :: h !! smoothing length over spacing
-        integer, parameter :: most = 17 !! layers, more than any pair reaches
+        integer, parameter :: half = 9 !! layers, more than any pair reaches
+        integer, parameter :: most = 2*half - 1
         real(dp) :: d(most, most), missing(most)
 
         d = layer_gradient(dimension, real(h, dp), most)
         missing = sum(d, dim=1)
         missing(1) = missing(1) - 1
-        missing(most/2 + 1:) = 0 ! what the other end of the lattice asks for
+        missing(half:) = 0 ! what the other end of the lattice asks for
         share = real(dot_product(missing, d(1, :))/dot_product(d(1, :), d(1, :)), rk)
     end function face_share
 

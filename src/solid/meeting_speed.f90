@@ -35,8 +35,8 @@ contains
         real(dp), allocatable :: v(:, :), w(:, :)
         integer :: k
 
-        v = speeds_of(a)
-        w = speeds_of(b)
+        allocate (v, source=speeds_of(a))
+        allocate (w, source=speeds_of(b))
         speed = 0
         do k = 1, size(v, 2)
             speed = max(speed, maxval(norm2(w - spread(v(:, k), 2, size(w, 2)), dim=1)))

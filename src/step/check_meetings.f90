@@ -26,15 +26,12 @@ contains
         type(case_t), intent(in) :: case
         type(kind_t), allocatable :: kinds(:)
         type(interaction_case_t) :: rule
-        logical :: pressed !! by contact or by the air
         integer :: a, b, k
 
-        pressed = .false.
         allocate (kinds(0))
         do a = 1, size(case%bodies) - 1
             do b = a + 1, size(case%bodies)
                 call find_rule(case, a, b, rule)
-                pressed = pressed .or. rule%law == 'contact'
                 call count_pair(kinds, law_text(rule), trim(case%bodies(a)%id)//'+'// &
                                 trim(case%bodies(b)%id))
             end do
@@ -44,9 +41,6 @@ contains
                 to_text(kinds(k)%pairs - most_named)//' more pairs'
             write (output_unit, '(4a)') 'meeting      ', kinds(k)%law, ': ', kinds(k)%names
         end do
-        if (pressed .and. any(case%bodies%formulation /= 'rigid')) write (output_unit, '(2a)') &
-            'faces        the outermost layer has half of the pressure of contact as ', &
-            'its stress (docs/solid.md, loaded faces)'
     end subroutine print_meetings
 
     !> Law of a pair, its friction, and where that is said.

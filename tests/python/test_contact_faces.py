@@ -121,29 +121,29 @@ def test_a_prism_between_platens_carries_what_a_driven_one_does(tmp_path):
     assert peak[0] == pytest.approx(peak[1], rel=0.03)
 
 
-# An elastic ball on a rigid plate: its force follows Hertz, F = 4/3 E* sqrt(R) (w - w0)^1.5, where
-# w0 is how late round surfaces touch (1.27 of it at 8 particles per radius without).
-@pytest.mark.parametrize(("per_radius", "bound"), [(5, 0.15), (8, 0.08)])
-def test_a_ball_on_a_plate_follows_hertz(tmp_path, per_radius, bound):
-    radius, speed = 0.01, 1.5
+# An elastic ball on a stiff plate has the force of Hertz, 4/3 E* sqrt(R) w^1.5: 1.23 and 1.17 of it
+# without the strain of the half layers. Its springs are a layer of its own stiffness.
+@pytest.mark.parametrize(
+    ("per_radius", "bound"), [(5, 0.15), pytest.param(8, 0.08, marks=pytest.mark.slow)]
+)
+def test_a_ball_on_a_plate_has_the_force_of_hertz(tmp_path, per_radius, bound):
+    radius, speed = 0.01, 0.5
     spacing = radius / per_radius
     deck = f"""\
 &run t_end={0.03 * radius / speed}, symmetry='x','y' /
-{ROCK}&body id='ball', shape='sphere', centre=0,0,{radius}, radius={radius}, spacing={spacing},
+{ROCK}&material id='hard', model='linear_elastic', density=2000, youngs_modulus=1e12,
+          poisson_ratio=0.2 /
+&body id='ball', shape='sphere', centre=0,0,{radius}, radius={radius}, spacing={spacing},
       material='s', formulation='bending' /
 &motion id='top', body='ball', box=-1,1, -1,1, {radius}, 1, velocity=0,0,-{speed} /
 &body id='plate', box=-0.012,0.012, -0.012,0.012, {-3 * spacing},0, spacing={spacing},
-      material='s', formulation='rigid', motion_time=0,1, motion_velocity=0,0,0, 0,0,0 /
+      material='hard', formulation='rigid', motion_time=0,1, motion_velocity=0,0,0, 0,0,0 /
 &interaction law='contact', friction=0 /
 &gauge id='f', body='plate', quantity='contact_z', with='ball' /
 &output dump_every=1 /
 """
     gauges = run(tmp_path, deck)["gauges"]
-    way = speed * gauges["time[s]"]
-    force = 4 * np.abs(next(v for k, v in gauges.items() if k.startswith("f")))
-    deep = way > 0.015 * radius
-    slope, offset = np.polyfit(way[deep], force[deep] ** (2 / 3), 1)
-    hertz = 4 / 3 * 10e9 / (1 - 0.2**2) * radius**0.5
-    note(f"hertz_{per_radius}", slope**1.5 / hertz)
-    note(f"hertz_late_{per_radius}", -offset / slope / spacing)
-    assert slope**1.5 == pytest.approx(hertz, rel=bound)
+    force = 4 * np.abs(next(v for k, v in gauges.items() if k.startswith("f")))[-20:].mean()
+    hertz = 4 / 3 * 10e9 / (1 - 0.2**2) * radius**0.5 * (0.03 * radius) ** 1.5
+    note(f"hertz_{per_radius}", force / hertz)
+    assert force == pytest.approx(hertz, rel=bound)
