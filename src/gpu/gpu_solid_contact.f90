@@ -154,7 +154,7 @@ contains
                 l%press, l%face, l%bond, l%joined, l%row, l%slice, links_that_touch(gpu), &
                 l%list, gpu%energy, book_of(gpu, book_contact), book_of(gpu, book_contact_early), &
                 book_of(gpu, book_contact_heat), book_of(gpu, book_rub), gpu%rate, gpu%extra, err)
-            if (solid%links%faces) call refresh_rows(gpu, solid, err) ! with what contact brings by the faces
+            if (solid%links%faces) call refresh_rows(gpu, solid, err) ! with what faces bring
             if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%step_d, l%lay, &
                 l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%k_axes, &
                 gpu%held, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
@@ -181,8 +181,8 @@ contains
 
         associate (l => gpu%links)
             call contact_kernels%press_links(l%n_touching, l%touching, l%lay, dt, l%ends, &
-                l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, l%face, l%touch, l%bond, l%joined, &
-                l%row, l%slice, links_that_touch(gpu), l%list, gpu%energy, &
+                l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, l%face, l%touch, l%bond, &
+                l%joined, l%row, l%slice, links_that_touch(gpu), l%list, gpu%energy, &
                 book_of(gpu, book_contact_heat), l%press, err)
         end associate
     end subroutine press
