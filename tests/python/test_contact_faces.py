@@ -121,8 +121,8 @@ def test_a_prism_between_platens_carries_what_a_driven_one_does(tmp_path):
     assert peak[0] == pytest.approx(peak[1], rel=0.03)
 
 
-# An elastic ball on a stiff plate has the force of Hertz, 4/3 E* sqrt(R) w^1.5: 1.23 and 1.17 of it
-# without the strain of the half layers. Its springs are a layer of its own stiffness.
+# An elastic ball on a stiff plate has the force of Hertz, 4/3 E* sqrt(R) w^1.5: 1.22 of it at 8 per
+# radius without the strain of the half layers.
 @pytest.mark.parametrize(
     ("per_radius", "bound"), [(5, 0.15), pytest.param(8, 0.08, marks=pytest.mark.slow)]
 )
@@ -131,8 +131,8 @@ def test_a_ball_on_a_plate_has_the_force_of_hertz(tmp_path, per_radius, bound):
     spacing = radius / per_radius
     deck = f"""\
 &run t_end={0.03 * radius / speed}, symmetry='x','y' /
-{ROCK}&material id='hard', model='linear_elastic', density=2000, youngs_modulus=1e12,
-          poisson_ratio=0.2 /
+{ROCK.replace('0.2', '0.3')}&material id='hard', model='linear_elastic', density=2000,
+          youngs_modulus=1e12, poisson_ratio=0.3 /
 &body id='ball', shape='sphere', centre=0,0,{radius}, radius={radius}, spacing={spacing},
       material='s', formulation='bending' /
 &motion id='top', body='ball', box=-1,1, -1,1, {radius}, 1, velocity=0,0,-{speed} /
@@ -144,6 +144,6 @@ def test_a_ball_on_a_plate_has_the_force_of_hertz(tmp_path, per_radius, bound):
 """
     gauges = run(tmp_path, deck)["gauges"]
     force = 4 * np.abs(next(v for k, v in gauges.items() if k.startswith("f")))[-20:].mean()
-    hertz = 4 / 3 * 10e9 / (1 - 0.2**2) * radius**0.5 * (0.03 * radius) ** 1.5
+    hertz = 4 / 3 * 10e9 / (1 - 0.3**2) * radius**0.5 * (0.03 * radius) ** 1.5
     note(f"hertz_{per_radius}", force / hertz)
     assert force == pytest.approx(hertz, rel=bound)
