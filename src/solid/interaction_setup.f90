@@ -9,6 +9,7 @@ module brz_interaction_setup
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: dp, real32, rk
     use brz_material, only: material_t
+    use brz_materials, only: unloaded_speed
     use brz_meeting_speed, only: closing_speed
     use brz_solid_state, only: body_t, form_corrected_hourglass, form_rigid, form_total, solid_t
     use brz_text, only: to_text
@@ -17,7 +18,7 @@ module brz_interaction_setup
     public :: set_up_interactions, find_rule, rule_of
 
     real(dp), parameter :: most_ratio = 2, good_ratio = 1.1_dp !! of spacings across a bond
-    real(dp), parameter :: slow = 0.1_dp !! of the speed of sound, where faces in contact move, see
+    real(dp), parameter :: slow = 0.05_dp !! of the speed of sound, where faces in contact move, see
                                          !! brz_contact_face
     real(dp), parameter :: most_contrast = 6 !! of bonded materials whose pairs count as all others
 
@@ -29,6 +30,7 @@ contains
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         type(interaction_case_t) :: rule
+        real(dp) :: sound !! speed of the slower material [m/s]
         integer :: a, b
 
         associate (n => size(solid%bodies))
@@ -39,9 +41,11 @@ contains
                     call find_rule(case, a, b, rule)
                     if (a == b) rule%law = 'none'
                     call make_meeting(solid, rule, a, b, solid%links%table(a, b))
+                    sound = min(unloaded_speed(solid%materials(solid%bodies(a)%material)), &
+                                unloaded_speed(solid%materials(solid%bodies(b)%material)))
                     if (.not. may_touch(solid%links%table(a, b)) .or. closing_speed( &
-                        case%bodies(a), case%bodies(b)) > slow*minval(solid%materials( &
-                        solid%bodies([a, b])%material)%c_wave)) solid%links%table(a, b)%steep = 0
+                        case%bodies(a), case%bodies(b)) > slow*sound) &
+                        solid%links%table(a, b)%steep = 0
                     if (a >= b) cycle
                     if (rule%law == 'bonded' .or. rule%law == 'shared') &
                         call shorten_step(solid, a, b, solid%links%table(a, b))
