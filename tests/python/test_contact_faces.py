@@ -131,7 +131,7 @@ def test_a_ball_on_a_plate_has_the_force_of_hertz(tmp_path, per_radius, bound):
     spacing = radius / per_radius
     deck = f"""\
 &run t_end={0.03 * radius / speed}, symmetry='x','y' /
-{ROCK.replace('0.2', '0.3')}&material id='hard', model='linear_elastic', density=2000,
+{ROCK.replace("0.2", "0.3")}&material id='hard', model='linear_elastic', density=2000,
           youngs_modulus=1e12, poisson_ratio=0.3 /
 &body id='ball', shape='sphere', centre=0,0,{radius}, radius={radius}, spacing={spacing},
       material='s', formulation='bending' /
