@@ -66,7 +66,10 @@ contains
         real(dp) :: ratio
         integer :: i
 
-        shocks = size(case%charges) + size(case%inflows) > 0
+        shocks = .false.
+        if (allocated(case%charges)) shocks = size(case%charges) > 0
+        if (allocated(case%inflows)) shocks = shocks .or. size(case%inflows) > 0
+        if (.not. allocated(case%gas)) return
         do i = 1, size(case%gas)
             if (.not. (case%gas(i)%density > 0 .and. case%gas(i)%pressure > 0)) cycle ! a file
             associate (gas => case%gas(i))

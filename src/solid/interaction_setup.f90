@@ -18,7 +18,7 @@ module brz_interaction_setup
     public :: set_up_interactions, find_rule, rule_of
 
     real(dp), parameter :: most_ratio = 2, good_ratio = 1.1_dp !! of spacings across a bond
-    real(dp), parameter :: slow = 0.05_dp !! of the speed of sound, where faces in contact move, see
+    real(dp), parameter :: slow = 0.04_dp !! of the speed of sound, where faces in contact move, see
                                          !! brz_contact_face
     real(dp), parameter :: most_contrast = 6 !! of bonded materials whose pairs count as all others
 

@@ -50,7 +50,8 @@ contains
 
         call make_fields(whole, kept_alone=.true.)
         if (allocated(solid%load)) allocate (whole%load(3, whole%n), source=0.0_rk)
-        if (allocated(solid%face_stress)) allocate (whole%face_stress(6, whole%n), source=0.0_rk)
+        if (allocated(solid%face_stress) .and. .not. allocated(solid%loads%of)) &
+            allocate (whole%face_stress(6, whole%n), source=0.0_rk)
         if (allocated(solid%v_before)) allocate (whole%v_before(3, whole%n), source=0.0_rk)
         leaving%place = [((i, i=solid%bodies(b)%first, solid%bodies(b)%last), &
                           b=1, size(solid%bodies))]

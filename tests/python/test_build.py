@@ -26,7 +26,7 @@ THIRD = "module brz_third\n use brz_second, only: a\n implicit none\nend module\
 
 
 def run(*command, cwd, **more):
-    ours = ("MAKE", "MFLAGS", "ARGS")
+    ours = ("MAKE", "MFLAGS", "ARGS", "TIER")
     env = {k: v for k, v in os.environ.items() if not k.startswith(ours)} | more
     return subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True, check=False)
 
@@ -108,6 +108,7 @@ def test_an_error_in_a_source_stops_the_build(project):
     assert run("make", "lib", cwd=project).returncode != 0
 
 
+@pytest.mark.slow
 def test_a_warning_of_the_compiler_stays_until_its_file_is_compiled_anew(project):
     first = project / "src/base/first.f90"
     shutil.copytree(ROOT / "inputs/presets", project / "inputs/presets")

@@ -56,6 +56,7 @@ def table(folder, name, out="out/glue"):
     )
 
 
+@pytest.mark.long("the beam opens slowly")
 def test_double_cantilever_beam(tmp_path):
     """Load of a crack of 30 mm by corrected beam theory (5 %); work = held + spent."""
     end, v = 1.5e-3, 0.28

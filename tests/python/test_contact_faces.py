@@ -108,6 +108,7 @@ DRIVEN = (
 
 # A prism of concrete between frictionless platens carries what one with driven ends does: 0.89 of
 # it where its outermost layers are asked at half of their stress and crush first.
+@pytest.mark.long("two runs of concrete until it crushes")
 def test_a_prism_between_platens_carries_what_a_driven_one_does(tmp_path):
     peak = []
     for name, deck in (("between", BETWEEN), ("driven", DRIVEN)):
@@ -123,6 +124,7 @@ def test_a_prism_between_platens_carries_what_a_driven_one_does(tmp_path):
 
 # An elastic ball on a stiff plate has the force of Hertz, 4/3 E* sqrt(R) w^1.5: 1.22 of it at 8 per
 # radius without the strain of the half layers.
+@pytest.mark.long("slow loading, so that no wave counts")
 @pytest.mark.parametrize(
     ("per_radius", "bound"), [(5, 0.15), pytest.param(8, 0.08, marks=pytest.mark.slow)]
 )

@@ -59,6 +59,7 @@ WOKEN = """&run title='t', t_end=5e-5 /
 """
 
 
+@pytest.mark.long("the GPU is emulated")
 def test_bodies_wake_in_air_as_on_the_cpu(deck):
     (deck / "w.nml").write_text(WOKEN, encoding="utf-8")
     for backend in ("gpu", "cpu"):

@@ -50,6 +50,7 @@ def _alone(tmp_path_factory):
     return folder / "out"
 
 
+@pytest.mark.long("runs on several processes")
 @needs_mpirun
 def test_pipes_on_several_processes(alone, tmp_path):
     """The bytes of one run on one process."""
@@ -59,6 +60,7 @@ def test_pipes_on_several_processes(alone, tmp_path):
     equal_bodies(alone, tmp_path / "out")
 
 
+@pytest.mark.long("runs on several processes")
 @needs_mpirun
 @pytest.mark.parametrize(("n", "m"), [(0, 0), (2, 4)])
 def test_pipes_go_on_after_a_restart(n, m, alone, tmp_path):

@@ -274,6 +274,7 @@ def report(run):
     return run.folder
 
 
+@pytest.mark.long("a scene and all of its pictures")
 @pytest.mark.parametrize("name", PICTURES)
 def test_pictures_show_something(report, name):
     image = matplotlib.image.imread(report / "report" / f"{name}.png")

@@ -119,12 +119,15 @@ def equal_runs(one, other, sums=()):
         a, b = history(one / name), history(other / name)
         for column in a.dtype.names:
             scale = np.abs(a[column]).max()
+            if "velocity" in column:  # means over particles that swing faster
+                scale = max(scale, 1e-2)
             if name == "energy.csv":
                 scale = 1 if "error" in column else max(scale, a["energy_scale[J]"].max())
             assert np.abs(a[column] - b[column]).max() <= 1e-12 * scale, column
     equal_states(one, other, sums)
 
 
+@pytest.mark.long("runs on several processes")
 @needs_mpirun
 @pytest.mark.parametrize(
     ("seed", "n"), [(1, 3), (2, 3), *(slow(seed, n) for seed in (1, 2) for n in (2, 4))]

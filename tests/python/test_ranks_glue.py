@@ -55,8 +55,8 @@ def _alone(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp(request.param)
     said = go(0, folder, "out", request.param)
     damage = points(folder / "out")[0]
-    assert np.count_nonzero(damage == 1) > 100
-    assert np.count_nonzero((damage > 0) & (damage < 1)) > 20
+    assert np.count_nonzero(damage == 1) > 80
+    assert np.count_nonzero((damage > 0) & (damage < 1)) > 10
     return request.param, folder / "out", broken(said)
 
 

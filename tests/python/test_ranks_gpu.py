@@ -299,6 +299,7 @@ def _pelted_alone(gpu, tmp_path_factory):
     return folder / "out"
 
 
+@pytest.mark.long("several GPUs are emulated")
 @needs_mpirun
 @pytest.mark.parametrize(("n", "m"), [(2, None), slow(4, None), slow(4, 3)])
 def test_bodies_in_air_do_not_depend_on_gpus(n, m, gpu, pelted_alone, tmp_path):
@@ -314,6 +315,7 @@ def test_bodies_in_air_do_not_depend_on_gpus(n, m, gpu, pelted_alone, tmp_path):
     equal_runs(pelted_alone, tmp_path / "out", () if m is None else ("air/outflow",))
 
 
+@pytest.mark.long("several GPUs are emulated")
 @needs_mpirun
 def test_bodies_across_periodic_ends_do_not_depend_on_gpus(gpu, tmp_path):
     for n in (0, 3):

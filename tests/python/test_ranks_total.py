@@ -58,6 +58,7 @@ def _alone(request, tmp_path_factory):
     return request.param, folder / "out"
 
 
+@pytest.mark.long("several GPUs are emulated")
 @needs_mpirun
 @pytest.mark.parametrize(("n", "m"), [(2, None), (4, 3)])
 def test_total_lagrangian_bodies_that_meet_do_not_depend_on_processes(n, m, alone, tmp_path):

@@ -53,6 +53,7 @@ def test_a_fine_rigid_body_costs_few_steps(tmp_path):
 
 # The springs of contact and the mass of the body make a period; a step that is a fixed part of it
 # keeps the energy.
+@pytest.mark.long("light bodies take many steps")
 @pytest.mark.parametrize(("shape", "density", "speed", "dx"), [
     (BALL, 20, 30, 1e-3), (BALL, 150, 200, 4e-4), (BOX, 30, 100, 5e-4), (BOX, 30, 10, 1e-3),
 ])  # fmt: skip
