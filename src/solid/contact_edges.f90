@@ -23,6 +23,7 @@ contains
     subroutine find_contact_edges(boxes, solid)
         logical, intent(in) :: boxes(:) !! (bodies) is a whole box of cubic particles
         type(solid_t), intent(inout) :: solid
+        real(dp) :: corner(3, 2, size(boxes))
         integer :: a, b
 
         if (.not. solid%links%present) return
@@ -34,9 +35,12 @@ contains
             end associate
         end do
         do b = 1, size(boxes)
+            if (boxes(b)) corner(:, :, b) = corners(solid, solid%bodies(b))
+        end do
+        do b = 1, size(boxes)
             do a = 1, size(boxes)
                 if (.not. (boxes(a) .and. boxes(b)) .or. a == b) cycle
-                if (.not. stands_on(solid, a, b)) cycle
+                if (.not. stands_on(solid, a, b, corner(:, :, a), corner(:, :, b))) cycle
                 solid%links%table(a, b)%stiffness = 2*solid%links%table(a, b)%stiffness
                 solid%links%table(b, a)%stiffness = 0
             end do
@@ -73,10 +77,11 @@ contains
 
     !> True where box a stands on box b: along the axis that parts them most its face lies within
     !> that of b.
-    pure logical function stands_on(solid, a, b)
+    pure logical function stands_on(solid, a, b, p, q)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: a, b
-        real(dp) :: p(3, 2), q(3, 2), apart(3), slack
+        real(dp), intent(in) :: p(3, 2), q(3, 2) !! their corners [m]
+        real(dp) :: apart(3), slack
         integer :: across, n
 
         n = solid%dimension
@@ -84,8 +89,6 @@ contains
                     solid%links%table(a, b)%steep > 0
         if (.not. stands_on) return
         slack = solid%bodies(b)%spacing/2
-        p = corners(solid, solid%bodies(a))
-        q = corners(solid, solid%bodies(b))
         apart = max(q(:, 1) - p(:, 2), p(:, 1) - q(:, 2))
         across = maxloc(apart(:n), 1)
         if (apart(across) < -slack) stands_on = .false. ! one is in the other
@@ -95,6 +98,7 @@ contains
         stands_on = stands_on .and. all(apart(:n) > slack)
     end function stands_on
 
+    !> Corners of a box.
     pure function corners(solid, body) result(x)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
