@@ -356,6 +356,7 @@ def test_lines_that_tests_run_are_counted(counted):
     assert done.stdout == "src/base/first.f90: not run: 8\n"
 
 
+@pytest.mark.slow
 def test_after_an_edit_nothing_is_optimised_at_link_time(counted):
     done = run("make", "-j2", "V=1", "try", "ARGS=-f doubles", cwd=counted)
     assert done.returncode == 0, done.stderr

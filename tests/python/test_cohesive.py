@@ -94,6 +94,7 @@ SLIDE = """\
 """
 
 
+@pytest.mark.slow
 def test_end_loaded_split_beam(tmp_path):
     """A clamped beam with a crack along its middle, pressed at its free end: half of an end-notched
     flexure. G_II = 9 P^2 (a + 0.42 chi h)^2/(4 E b^2 h^3), 5 %; the arms slide on each other.

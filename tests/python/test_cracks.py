@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tiers import slow
 
 BRISANCE = Path(__file__).parents[2] / "bin" / "brisance"
 LIGAMENT = 0.012  # half of it, as modelled [m]
@@ -52,7 +53,7 @@ def work_of_separation(folder, strip, formulation, spacing):
 
 
 @pytest.mark.parametrize("formulation", ["corrected_hourglass", "bending"])
-@pytest.mark.parametrize("spacing", [0.004, 0.002, 0.001])
+@pytest.mark.parametrize("spacing", [0.004, 0.002, slow(0.001)])
 def test_strip_of_concrete(tmp_path, formulation, spacing):
     """gf = 146.5 J/m2; the ligament carries ft = 3.51 MPa and a little more, as the crack opens."""
     energy, stress = work_of_separation(tmp_path, CONCRETE, formulation, spacing)
@@ -61,7 +62,7 @@ def test_strip_of_concrete(tmp_path, formulation, spacing):
 
 
 @pytest.mark.parametrize("formulation", ["corrected_hourglass", "bending"])
-@pytest.mark.parametrize("spacing", [0.004, 0.002, 0.001])
+@pytest.mark.parametrize("spacing", [0.004, 0.002, slow(0.001)])
 def test_strip_of_a_ply(tmp_path, formulation, spacing):
     """10 kJ/m2 across the fibres. In bending the hourglass force takes 5 % beside it."""
     energy, stress = work_of_separation(tmp_path, PLY, formulation, spacing)

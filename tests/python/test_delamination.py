@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from notes import note
 from test_cohesive import on_both, run, table
+from tiers import slow
 
 # half of a clamped strip of plies, thrown
 THICK, GAUGES = 0.0005, 12
@@ -67,6 +68,7 @@ def test_a_short_strip_swings_by_elasticity(tmp_path, plies):
     assert 2 * back == pytest.approx(period, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_clamped_strip_swings_as_without_interfaces(tmp_path):
     """Four plies of one layer each, side 30 thicknesses: the same period within 2 %."""
     half = 60 * THICK
@@ -159,7 +161,7 @@ STRUCK = """\
 """
 
 
-@pytest.mark.parametrize("speed", [120, 500, 1000, 2000])
+@pytest.mark.parametrize("speed", [120, slow(500), slow(1000), 2000])
 def test_plies_that_are_struck(tmp_path, speed):
     """What an interface releases where plies are pressed together meets by contact without an
     energy of its own: with one, a ball of 120 m/s on four plies doubled the energy. Layers that

@@ -157,8 +157,16 @@ def test_mirror_image_is_left_out(tmp_path):
     check(SPHERES.replace("centre=-0.02,0,0", "centre=-0.021,0,0"), tmp_path, 2)
 
 
-@pytest.mark.parametrize("size", paper.QUESTIONS)
-@pytest.mark.parametrize("name", [case.name for case in paper.cases("questions")])
+# One deck of each kind: a load, cylinders, air, interfaces, bars.
+KINDS = ("slab_1", "slab_2_cylinder", "slab_2_air", "slab_2_glue_breaks", "slab_2_trade_bars")
+DECKS = [
+    (size, case.name) if size == "questions" and case.name in KINDS else slow(size, case.name)
+    for size in paper.QUESTIONS
+    for case in paper.cases(size)
+]
+
+
+@pytest.mark.parametrize(("size", "name"), DECKS)
 def test_runs_of_the_questions_are_sound_decks(size, name):
     case = next(case for case in paper.cases(size) if case.name == name)
     command = [BRISANCE, "run", *case.arguments(), "--check"]

@@ -14,6 +14,7 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE.parents[1]), str(HERE)]
 
 from synthetic_run import begin  # noqa: E402
+from tiers import slow  # noqa: E402
 
 from post.__main__ import main  # noqa: E402
 from post.deflection import displacement_table, measure_deflection  # noqa: E402
@@ -95,7 +96,7 @@ def area_of(radius, made):
 # --- holes --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("radius", [1.1e-3, 3.1e-3, 7.3e-3])
+@pytest.mark.parametrize("radius", [slow(1.1e-3), 3.1e-3, slow(7.3e-3)])
 def test_round_hole(tmp_path, radius):
     made = Made()
     made.fling(made.within(radius))

@@ -11,6 +11,7 @@ from test_gpu import EMULATOR, follows_the_cpu
 from test_loads import BRISANCE, run
 from test_ranks import equal_bodies, in_two, needs_mpirun, start
 from test_run import history
+from tiers import slow
 
 METAL = """\
 &material id='m', model='bilinear_j2', density=7800, youngs_modulus=200e9, poisson_ratio=0.3,
@@ -62,7 +63,7 @@ def test_pipes_on_several_processes(alone, tmp_path):
 
 @pytest.mark.long("runs on several processes")
 @needs_mpirun
-@pytest.mark.parametrize(("n", "m"), [(0, 0), (2, 4)])
+@pytest.mark.parametrize(("n", "m"), [(0, 0), slow(2, 4)])
 def test_pipes_go_on_after_a_restart(n, m, alone, tmp_path):
     (tmp_path / "deck.nml").write_text(PIPES)
     in_two(n, m, 60, tmp_path)

@@ -15,6 +15,7 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE.parents[1]), str(HERE)]
 
 from synthetic_run import write_run  # noqa: E402
+from tiers import slow  # noqa: E402
 
 from post.__main__ import main  # noqa: E402
 from post.reader import Run  # noqa: E402
@@ -52,7 +53,11 @@ def report(folder, capsys):
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("Points", np.inf), ("PointData/displacement", np.nan), ("PointData/damage", np.nan)],
+    [
+        slow("Points", np.inf),
+        ("PointData/displacement", np.nan),
+        slow("PointData/damage", np.nan),
+    ],
 )
 def test_particles_that_are_not_finite(folder, capsys, recwarn, field, value):
     put(folder / "solid_00004.vtkhdf", field, value, slice(0, 5))
@@ -62,7 +67,7 @@ def test_particles_that_are_not_finite(folder, capsys, recwarn, field, value):
     assert not [w for w in recwarn if "invalid value" in str(w.message)]
 
 
-@pytest.mark.parametrize(("number", "value"), [(2, np.inf), (4, np.nan)])
+@pytest.mark.parametrize(("number", "value"), [slow(2, np.inf), (4, np.nan)])
 def test_air_that_is_not_finite(folder, capsys, number, value):
     put(folder / f"air_0000{number}.vtkhdf", "CellData/pressure", value, slice(0, 2))
     code, out, _ = report(folder, capsys)
@@ -70,7 +75,7 @@ def test_air_that_is_not_finite(folder, capsys, number, value):
     assert "no picture" not in out
 
 
-@pytest.mark.parametrize(("column", "value"), [(0, "nan"), (5, "inf"), (17, "inf")])
+@pytest.mark.parametrize(("column", "value"), [slow(0, "nan"), (5, "inf"), slow(17, "inf")])
 def test_history_that_is_not_finite(folder, capsys, column, value):
     lines = (folder / "energy.csv").read_text().splitlines()
     cells = lines[7].split(",")
@@ -83,7 +88,7 @@ def test_history_that_is_not_finite(folder, capsys, column, value):
     assert (folder / "report" / "energy.png").is_file() or column == 0
 
 
-@pytest.mark.parametrize("content", [bytes(range(256)) * 20, b""])
+@pytest.mark.parametrize("content", [bytes(range(256)) * 20, slow(b"")])
 def test_echo_that_is_no_deck(folder, capsys, content):
     (folder / "demo.echo.nml").write_bytes(content)
     code, out, _ = report(folder, capsys)
@@ -99,7 +104,10 @@ def test_echo_that_is_no_deck(folder, capsys, content):
 
 @pytest.mark.parametrize(
     ("kind", "number", "content"),
-    [("air", 2, "cut"), ("solid", 2, "zeros"), ("solid", 4, "cut"), ("air", 0, "text")],
+    [
+        ("air", 2, "cut"),
+        *(slow(*rest) for rest in [("solid", 2, "zeros"), ("solid", 4, "cut"), ("air", 0, "text")]),
+    ],
 )
 def test_damaged_dump_is_told_and_left_out(folder, capsys, kind, number, content):
     path = folder / f"{kind}_0000{number}.vtkhdf"
@@ -116,7 +124,7 @@ def test_damaged_dump_is_told_and_left_out(folder, capsys, kind, number, content
 
 
 @pytest.mark.parametrize(
-    ("kind", "field"), [("air", "CellData/pressure"), ("solid", "PointData/id")]
+    ("kind", "field"), [("air", "CellData/pressure"), slow("solid", "PointData/id")]
 )
 def test_dump_of_zeros_is_told(folder, capsys, kind, field):
     put(folder / f"{kind}_00002.vtkhdf", field, 0)

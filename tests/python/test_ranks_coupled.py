@@ -215,7 +215,7 @@ SEEN = "&gauge id = 'seen', at = 0, 0, -0.3, quantity = 'pressure' /\n"  # of th
 
 
 @needs_mpirun
-@pytest.mark.parametrize("name", SHORT)
+@pytest.mark.parametrize("name", ["two_plates", slow("struck_fragment"), slow("panel")])
 def test_scenes_of_bodies_in_air_give_the_same(name, tmp_path):
     deck = (ROOT / f"tests/scenes/{name}.nml").read_text()
     (tmp_path / f"{name}.nml").write_text(deck + SEEN * ("fragment" in name))

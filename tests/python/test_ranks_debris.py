@@ -6,6 +6,7 @@ import pytest
 from test_gpu import EMULATOR, stamp
 from test_ranks import equal_bodies, needs_mpirun, start
 from test_run import arrays
+from tiers import slow
 
 # off the planes x = 0 and y = 0: where a middle is must not be rounding alone
 PLACES = ["5e-4, 7e-4, -1e-4", "9e-4, 8e-4, -8e-4", "0, 1e-3, -1.6e-3", "1.5e-3, -1e-4, -3e-4",
@@ -69,7 +70,7 @@ def test_the_room_of_a_body_grows(tmp_path):
 SUMS = {"clock/history_sums", "solid/body_sums"}
 
 
-@pytest.mark.parametrize("backend, steps", [("cpu", 20), ("gpu", 20), ("gpu", 40)])
+@pytest.mark.parametrize("backend, steps", [("cpu", 20), ("gpu", 20), slow("gpu", 40)])
 def test_lists_in_part_go_on_after_a_restart(backend, steps, tmp_path):
     """How often lists were built in part, and their cells on a GPU, decide on the order of sums."""
     (tmp_path / "deck.nml").write_text(DEBRIS)

@@ -84,7 +84,7 @@ def test_interfaces_do_not_depend_on_processes(n, alone, tmp_path):
 
 
 @needs_mpirun
-@pytest.mark.parametrize(("n", "m"), [(2, 0), (3, 2)])
+@pytest.mark.parametrize(("n", "m"), [slow(2, 0), (3, 2)])
 def test_others_go_on_with_interfaces(n, m, alone, tmp_path):
     backend, one, said = alone
     go(n, tmp_path, "out", backend, "--set", "run.max_steps=50")

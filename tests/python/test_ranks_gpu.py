@@ -55,7 +55,7 @@ def rows(path):
 
 
 @needs_mpirun
-@pytest.mark.parametrize("n", [1, 2, slow(4)])
+@pytest.mark.parametrize("n", [slow(1), 2, slow(4)])
 def test_air_does_not_depend_on_gpus(n, gpu, alone, tmp_path):
     done = go(n, tmp_path, gpu, BRISANCE_EMULATOR_DEVICES="4")
     assert done.returncode == 0, done.stderr
@@ -67,7 +67,7 @@ def test_air_does_not_depend_on_gpus(n, gpu, alone, tmp_path):
 
 
 @needs_mpirun
-@pytest.mark.parametrize(("n", "m"), [(0, 2), (2, 0), slow(2, 3), slow(4, 2)])
+@pytest.mark.parametrize(("n", "m"), [(0, 2), slow(2, 0), slow(2, 3), slow(4, 2)])
 def test_other_gpus_go_on(n, m, gpu, alone, tmp_path):
     """The state has the same bits; what has left through the boundaries is added up anew."""
     done = go(n, tmp_path, gpu, "--set", "run.max_steps=20")
@@ -141,7 +141,7 @@ def through_the_bus(stderr):
 
 
 @needs_mpirun
-@pytest.mark.parametrize("fault", ["cuIpcGetMemHandle", "cuIpcOpenMemHandle_v2:2"])
+@pytest.mark.parametrize("fault", ["cuIpcOpenMemHandle_v2:2", slow("cuIpcGetMemHandle")])
 def test_gpus_that_do_not_see_each_other_serve(fault, gpu, bodies, tmp_path):
     """Parcels go by the host then, and only then."""
     said = []
@@ -206,7 +206,7 @@ def test_bodies_do_not_depend_on_gpus(n, gpu, bodies, tmp_path):
 
 
 @needs_mpirun
-@pytest.mark.parametrize(("n", "m"), [(0, 3), (2, 0)])
+@pytest.mark.parametrize(("n", "m"), [(0, 3), slow(2, 0)])
 def test_bodies_go_on_on_other_gpus(n, m, gpu, bodies, tmp_path):
     done = go(n, tmp_path, gpu, "--set", "run.max_steps=15", deck=APART)
     assert done.returncode == 0, done.stderr
@@ -237,7 +237,7 @@ def _met(request, gpu, tmp_path_factory):
 
 
 @needs_mpirun
-@pytest.mark.parametrize(("n", "m"), [(2, None), slow(4, None), (3, 2)])
+@pytest.mark.parametrize(("n", "m"), [slow(2, None), slow(4, None), (3, 2)])
 def test_bodies_that_meet_and_are_loaded_do_not_depend_on_gpus(n, m, gpu, met, tmp_path):
     deck, alone = met
     more = () if m is None else ("--set", "run.max_steps=18")

@@ -154,14 +154,14 @@ def met(tmp_path_factory):
 
 
 @needs_mpirun
-@pytest.mark.parametrize("n", [1, 2, slow(4)])
+@pytest.mark.parametrize("n", [slow(1), 2, slow(4)])
 def test_forces_on_bodies_do_not_depend_on_processes(n, met, tmp_path):
     go(n, MET, tmp_path)
     assert (tmp_path / "out/gauges.csv").read_text() == met
 
 
 @needs_mpirun
-@pytest.mark.parametrize(("n", "m"), [(0, 2), (4, 0)])
+@pytest.mark.parametrize(("n", "m"), [(0, 2), slow(4, 0)])
 def test_forces_on_bodies_go_on_on_other_processes(n, m, met, tmp_path):
     (tmp_path / "deck.nml").write_text(MET)
     in_two(n, m, 100, tmp_path)

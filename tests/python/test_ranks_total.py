@@ -10,6 +10,7 @@ import pytest
 from test_gpu import EMULATOR, stamp
 from test_ranks import BALL, MATERIALS, equal_bodies, needs_mpirun, start
 from test_run import history
+from tiers import slow
 
 MET = f"""\
 &run title = 'met', t_end = 6.5e-6, symmetry = 'y', energy_band = 0.5 /
@@ -60,7 +61,7 @@ def _alone(request, tmp_path_factory):
 
 @pytest.mark.long("several GPUs are emulated")
 @needs_mpirun
-@pytest.mark.parametrize(("n", "m"), [(2, None), (4, 3)])
+@pytest.mark.parametrize(("n", "m"), [(2, None), slow(4, 3)])
 def test_total_lagrangian_bodies_that_meet_do_not_depend_on_processes(n, m, alone, tmp_path):
     backend, one = alone
     go(n, tmp_path, "out", backend, *([] if m is None else ["--set", "run.max_steps=50"]))

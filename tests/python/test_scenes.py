@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from notes import note
 from test_run import ROOT, history, run
+from tiers import slow
 
 
 @pytest.mark.parametrize("deck", sorted(p.name for p in (ROOT / "inputs").glob("*.nml")))
@@ -18,6 +19,7 @@ def test_decks_that_come_along_are_sound(deck, tmp_path):
         assert int(bytes_per_particle) <= most
 
 
+@pytest.mark.slow
 def test_strip_rings_with_the_period_of_beam_theory(tmp_path):
     """A solid alone: the first mode of a clamped strip in plane strain, three particles across."""
     run("run", ROOT / "inputs" / "beam.nml", cwd=tmp_path)
@@ -215,7 +217,7 @@ PLY_FLAT = {"nu": "nu12=0, nu13=0.34", "plies": "plies='90', ply_axis='y'"}
 
 
 @pytest.mark.parametrize("ply", [PLY_EDGEWISE, PLY_FLAT], ids=["edgewise", "flat"])
-@pytest.mark.parametrize(("layers", "bound"), [(3, 0.05), (5, 0.01)])
+@pytest.mark.parametrize(("layers", "bound"), [(3, 0.05), slow(5, 0.01)])
 def test_orthotropic_beam_rings_with_the_converged_period(layers, bound, ply, tmp_path):
     """A clamped beam of a ply with E1/E2 = 18 and E1/G = 35: converged period 0.305 s."""
     spacing = 0.02 / layers

@@ -9,6 +9,7 @@ from test_gpu import run as on_gpu
 from test_loads import run
 from test_ranks import needs_mpirun, start
 from test_run import arrays
+from tiers import slow
 
 WAVES = {
     "shock": "time=0,1, overpressure=3e5,3e5",
@@ -110,7 +111,7 @@ def gauges(folder, out="out"):
 
 
 @needs_mpirun
-@pytest.mark.parametrize("n", [2, 4])
+@pytest.mark.parametrize("n", [slow(2), 3, slow(4)])
 def test_wall_gauges_do_not_depend_on_processes(n, alone, tmp_path):
     """In solid a gauge has the nearest gas, which may be that of another process."""
     (tmp_path / "deck.nml").write_bytes((alone / "deck.nml").read_bytes())

@@ -12,6 +12,7 @@ from test_gpu import same, stamp
 from test_loads import BRISANCE
 from test_ranks import needs_mpirun, start
 from test_run import arrays
+from tiers import slow
 
 YOUNG, NU, RHO = 200e9, 0.3, 7800.0
 HALF, HIGH = 0.1, 0.01  # [m]
@@ -98,8 +99,8 @@ STRIP = """\
 """
 
 
-@pytest.mark.parametrize("layers", [3, 4, 5])
-@pytest.mark.parametrize("wide", [2, 3, 4])
+@pytest.mark.parametrize("layers", [3, 4, slow(5)])
+@pytest.mark.parametrize("wide", [2, slow(3), 4])
 def test_a_clamped_strip_swings_as_a_beam(tmp_path, layers, wide):
     """For any width: particles that see w = x^2/2 as a strain across are 0.80 here."""
     exact = beam_period()
@@ -142,7 +143,7 @@ def plate(folder, layers, reach, scene):
     return time, -move
 
 
-@pytest.mark.parametrize("layers", [3, 4])
+@pytest.mark.parametrize("layers", [3, slow(4)])
 def test_a_plate_swings_as_by_mindlin(tmp_path, layers):
     """P1 of docs/comparison.md: 9.229 um by the modes of Mindlin's plate."""
     time, move = plate(tmp_path, layers, 0.27, (MATERIAL, 1e5, 1.6e-4))
