@@ -75,19 +75,16 @@ TORN = """\
 
 
 @needs_mpirun
-def test_a_loaded_face_may_be_torn_on_processes(tmp_path):
+@pytest.mark.parametrize(("n", "m"), [(2, 3), slow(4, 4)])
+def test_a_loaded_face_may_be_torn_on_processes(n, m, tmp_path):
     (tmp_path / "deck.nml").write_text(TORN)
     done = start(0, "run", "deck.nml", "--out", "one", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     end = arrays(sorted((tmp_path / "one").glob("chk_*.h5"))[-1])
     assert 10 < (end["solid/fixed"] == 2).sum() < 100
     assert np.ptp(end["solid/x"][:, :2], axis=0).min() > 0.1
-    for n, m in [(4, 4), (2, 3)]:
-        folder = tmp_path / str(n)
-        folder.mkdir()
-        (folder / "deck.nml").write_text(TORN)
-        in_two(n, m, 50, folder)
-        equal_bodies(tmp_path / "one", folder / "out")
+    in_two(n, m, 50, tmp_path)
+    equal_bodies(tmp_path / "one", tmp_path / "out")
 
 
 LOST = """\

@@ -94,7 +94,7 @@ def gauges_across():
 DECKS = {"gives way": PLATE, "across": CROSS.format(gauges=gauges_across())}
 
 
-@pytest.fixture(name="alone", scope="module", params=DECKS)
+@pytest.fixture(name="alone", scope="module", params=[slow("gives way"), "across"])
 def _alone(request, tmp_path_factory):
     """Gauges of a run on one process; the bodies move through several cells."""
     folder = tmp_path_factory.mktemp("alone")
