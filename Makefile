@@ -58,9 +58,11 @@ REWRITTEN := $(VARIANTS) $(FOREIGN)
 STEPS := $(filter %_steps.f90,$(SRC))
 LOOPS := $(addprefix $(MADE)/,$(notdir $(REWRITTEN))) $(patsubst %,$(MADE)/gpu_%,$(notdir $(STEPS) $(MIRRORED))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
          $(if $(MODELS),$(MADE)/model_list.f90 $(MADE)/flow_list.f90)
-OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN) $(REWRITTEN),$(SRC)) $(LOOPS))) $(B)/obj/version.o $(B)/obj/presets.o \
+OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN) $(REWRITTEN),$(SRC)) $(LOOPS))) $(B)/obj/presets.o \
         $(if $(COVERAGE),$(B)/obj/tests/coverage.o)
 LIB  := $(B)/brisance.o
+# (apart, so that a commit is told without optimising all anew)
+LINKED := $(LIB) $(B)/obj/version.o
 KERNELS := $(CUDA) $(ITEM_NAMES:%=$(MADE)/%_kernels.CUF) $(VARIED:%=$(MADE)/%_variants.CUF) \
            $(MADE)/model_kernels.CUF $(MADE)/model_list.f90 $(MADE)/flow_list.f90
 PARTS_OF_KERNELS := $(wildcard cuda/*.ll)
@@ -72,9 +74,9 @@ SAVE := scripts/write_if_changed.sh
 
 .PHONY: all lib gpu emulator clean help FORCE
 all: $(if $(MAIN),$(BIN),lib) ## build bin/brisance
-lib: $(LIB) ## build everything but the main program
+lib: $(LINKED) ## build everything but the main program
 
-$(BIN): $(B)/obj/src/main.o $(LIB)
+$(BIN): $(B)/obj/src/main.o $(LINKED)
 	@mkdir -p $(@D)
 	$(call say,link $@)
 	+$(Q)$(LINK) -o $@ $^ $(HDF5_LIBS)
@@ -136,7 +138,7 @@ PF_HELP  := $(sort $(wildcard tests/unit/*.f90 tests/verify/*.f90 tests/gpu/gpu_
 include tests/pfstub/pfunit.mk
 BENCH    := $(sort $(wildcard tests/bench/bench_*.f90))
 FLOORS   := $(wildcard tests/bench/floors.f90)
-$(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(FLOORS:%.f90=$(B)/obj/%.o) $(LIB)
+$(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(FLOORS:%.f90=$(B)/obj/%.o) $(LINKED)
 	@mkdir -p $(@D)
 	$(call say,link $@)
 	$(Q)$(LINK) -o $@ $^ $(HDF5_LIBS)
@@ -170,7 +172,7 @@ emulated: $(B)/tests/gpu/run $(EMULATOR) ## run the tests of the GPU with the em
 	@mkdir -p build/log
 	@echo '// $(STAMP)' > build/gpu/emulated.ptx
 	LD_LIBRARY_PATH=$(dir $(EMULATOR)) BRISANCE_PTX=build/gpu/emulated.ptx $(B)/tests/gpu/run $(PF_QUICK) $(PF_XML) build/log/emulated.xml $(ARGS)
-$(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%.o,$(wildcard tests/gpu/gpu_*.f90) $(FLOORS)) $(LIB)
+$(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%.o,$(wildcard tests/gpu/gpu_*.f90) $(FLOORS)) $(LINKED)
 	@mkdir -p $(@D)
 	$(call say,link $@)
 	$(Q)$(LINK) -o $@ $^ $(HDF5_LIBS)

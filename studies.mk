@@ -6,7 +6,7 @@ STUDIES  := $(patsubst %.f90,$(B)/%,$(filter tests/study/study_%,$(STUDY)))
 PROBLEMS := $(addprefix tests/verify/,air_problems.f90 drawn_bodies.f90 exact_blasts.f90 \
             exact_riemann.f90 scene_tools.f90 solid_bodies.f90 solid_problems.f90 solid_scenes.f90 \
             taylor_bars.f90 taylor_elements.f90)
-$(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
+$(STUDIES): %: $(LINKED) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	@mkdir -p $(@D)
 	$(call say,link $@)
 	$(Q)$(LINK) -o $@ $(filter-out $(B)/obj/tests/study/study_%,$^) \
@@ -59,7 +59,7 @@ point-blast-gpu: $(B)/tests/gpu/study_gpu ## the point blast on the GPU up to 25
 	BRISANCE_PTX=$(PTX) $< $(or $(ARGS),64 128 256)
 BLASTS   := $(patsubst %,$(B)/obj/tests/verify/%.o,air_problems exact_blasts exact_riemann)
 $(B)/obj/tests/gpu/study_gpu.o: $(BLASTS)
-$(B)/tests/gpu/study_gpu: $(patsubst %.f90,$(B)/obj/%.o,tests/gpu/study_gpu.f90 $(wildcard tests/gpu/gpu_*.f90)) $(BLASTS) $(LIB)
+$(B)/tests/gpu/study_gpu: $(patsubst %.f90,$(B)/obj/%.o,tests/gpu/study_gpu.f90 $(wildcard tests/gpu/gpu_*.f90)) $(BLASTS) $(LINKED)
 	@mkdir -p $(@D)
 	$(call say,link $@)
 	$(Q)$(LINK) -o $@ $^ $(HDF5_LIBS)

@@ -11,6 +11,9 @@ import subprocess
 from pathlib import Path
 
 
+COMMIT = 16  # characters, filled with blanks
+
+
 def commit():
     """Short hash of the commit, with a + if tracked files differ from it; outside git what the file
     COMMIT of a release archive says."""
@@ -42,11 +45,12 @@ def main():
     print("! SPDX-License-Identifier: MIT")
     print("!> What was built. Written by scripts/version.py: do not edit.")
     print("module brz_version\n    implicit none\n    private")
-    for name in ("version", "commit", "compiler", "flags", "precision"):
+    for name in ("version", "compiler", "flags", "precision"):
         print(f"    character(*), parameter, public :: {name} = &\n        {literal(args[name])}")
-    code = args["device_code"]  # a variable: users are not compiled again where it changes
-    print(f"    character({len(code)}), protected, public :: device_code = &")
-    print(f"        {literal(code)}")
+    # variables: users are not compiled again where they change
+    for name, width in (("commit", COMMIT), ("device_code", len(args["device_code"]))):
+        print(f"    character({width}), protected, public :: {name} = &")
+        print(f"        {literal(args[name])}")
     print("end module brz_version")
 
 

@@ -39,7 +39,7 @@ program brisance
         case ('mat')
             call drive_material(options, err)
         case ('version')
-            call say('Brisance '//version//' ('//commit//')')
+            call say('Brisance '//version//' ('//trim(commit)//')')
             call say(compiler)
             call say(flags)
             call say('working precision: '//precision)

@@ -49,7 +49,7 @@ contains
         call h5_put(file, group, 'schema', [schema], err)
         call h5_put(file, group, 'units', 'SI', err)
         call h5_put(file, group, 'version', version, err)
-        call h5_put(file, group, 'commit', commit, err)
+        call h5_put(file, group, 'commit', trim(commit), err)
         call h5_put(file, group, 'precision', precision, err)
         call h5_put(file, group, 'job', meta%job, err)
         call h5_put(file, group, 'title', meta%title, err)

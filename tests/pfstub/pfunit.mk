@@ -49,7 +49,7 @@ $(B)/tests/%/suites.inc: FORCE
 $(B)/tests/%/driver.o: $(PF_DRIVER) $(B)/tests/%/suites.inc $(PF_MODULES) $(B)/pf_command
 	@$(FC) $(FFLAGS) -J$(@D) $(PF_FLAGS) -D_TEST_SUITES='"$(abspath $(word 2,$^))"' -c $< -o $@
 define pf_run
-$(B)/tests/$(1)/run: $(B)/tests/$(1)/driver.o $(LIB) $(PF_MODULES) $(B)/pf_command \
+$(B)/tests/$(1)/run: $(B)/tests/$(1)/driver.o $(LINKED) $(PF_MODULES) $(B)/pf_command \
     $(patsubst %,$(B)/obj/%.o,$(basename $(filter tests/$(1)/% $(if $(filter gpu,$(1)),tests/verify/shared_%),$(PF) $(PF_HELP))))
 	$(call say,link $$@)
 	$(Q)$(LINK) -o $$@ $$(filter %.o,$$^) $$(HDF5_LIBS) $$(PF_LIBS)
