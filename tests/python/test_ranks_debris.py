@@ -39,7 +39,7 @@ def two_are_one(folder):
 
 
 @needs_mpirun
-@pytest.mark.parametrize("backend", ["cpu", "gpu"])
+@pytest.mark.parametrize("backend", ["cpu", slow("gpu")])
 def test_debris_does_not_depend_on_processes(backend, tmp_path):
     """Two go on from one in the middle, too."""
     (tmp_path / "deck.nml").write_text(DEBRIS)

@@ -315,7 +315,7 @@ def test_bodies_in_air_do_not_depend_on_gpus(n, m, gpu, pelted_alone, tmp_path):
     equal_runs(pelted_alone, tmp_path / "out", () if m is None else ("air/outflow",))
 
 
-@pytest.mark.long("several GPUs are emulated")
+@pytest.mark.slow
 @needs_mpirun
 def test_bodies_across_periodic_ends_do_not_depend_on_gpus(gpu, tmp_path):
     for n in (0, 3):
