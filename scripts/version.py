@@ -10,7 +10,6 @@ import argparse
 import subprocess
 from pathlib import Path
 
-
 COMMIT = 16  # characters, filled with blanks
 
 

@@ -27,7 +27,14 @@ def folder(tmp_path_factory):
     flags = shlex.split(run("pkg-config", "--cflags", "--libs-only-L", "hdf5-serial"))
     source = str(Path(__file__).with_name("sample_dumps.f90"))
     modules = ["-I", str(BUILD / "mod"), "-J", str(path)]
-    libraries = [str(BUILD / "brisance.o"), *flags, "-lhdf5_fortran", "-lhdf5", "-lz"]
+    libraries = [
+        str(BUILD / "brisance.o"),
+        str(BUILD / "obj/version.o"),
+        *flags,
+        "-lhdf5_fortran",
+        "-lhdf5",
+        "-lz",
+    ]
     run("gfortran", "-fopenmp", *modules, source, "-o", str(path / "sample"), *libraries)
     run(str(path / "sample"), str(path))
     return path
