@@ -50,6 +50,7 @@ def link_quick():
     """Tests of Python find the program and the emulated driver under their usual names."""
     for name, made in (
         ("bin/brisance", "brisance-quick"),
+        ("build/cpu", "cpu-quick"),
         ("build/gpu/emulator", "emulator-quick"),
     ):
         if not (COPY / name).is_symlink():
