@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Bricks of the air: which something has reached, which are awake; sums over their cells.
+!> Blocks of cells of the air, called bricks: which something has reached, which are active; sums
+!> over their cells.
 !>
 !> A brick at rest holds gas with the density and energy of the undisturbed air to the bit, and a
 !> velocity below the rounding error of the sound speed. It is put to rest wholly, or else every

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> The a-posteriori fallback, cell by cell: marked cells and their neighbours are computed again
-!> from all their faces, of which those of marked cells take the first-order flux. Point physics.
+!> A-posteriori limiting (MOOD), called the fallback, cell by cell: marked cells and their
+!> neighbours are computed again from all their faces, of which those of marked cells take the
+!> first-order flux. Point physics.
 !>
 !> A cell that this does not save is held: nothing passes its faces, and it keeps its state. That
 !> may leave a neighbour too little, which is then held too; a wall beside a held cell feels no push

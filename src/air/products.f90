@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Mass fraction of the products of explosives at a face. Point physics.
+!> Mass fraction of detonation products at a face. Point physics.
 !>
 !> The products go with the mass: their flux is the mass flux times the fraction on the side that
 !> it comes from (Larrouturou 1991), so that fractions stay within 0..1.

@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Bodies that carry particles: rigid ones, and held particles of driven ones. Their velocity is
-!> known at every place, and is the velocity of the walls there. Point physics: compiled for the CPU
-!> and for the GPU.
+!> Rigid and driven bodies, which carry their particles. Their velocity is known at every place, and
+!> is the velocity of the walls there. Point physics: compiled for the CPU and for the GPU.
 module brz_carrier_rules
     use brz_kinds, only: dp, rk
     implicit none

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Neighbours of a cell in order of distance, and steps from cell to cell. The steps are point
-!> physics: compiled for the CPU and for the GPU.
+!> Stencil rings: neighbours of a cell in order of distance, and steps from cell to cell. The steps
+!> are point physics: compiled for the CPU and for the GPU.
 module brz_cell_shells
     use brz_air_grid, only: cell_at, number_of
     use brz_kinds, only: int32

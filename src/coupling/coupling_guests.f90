@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Windows of the air, and guests on their way there: see brz_guest_steps.
+!> The coupling halo of processes (windows of the air), and ghost exchange with it (guests): see
+!> brz_guest_steps.
 module brz_coupling_guests
     use brz_air_part, only: window_of
     use brz_air_state, only: air_t

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Debts of gas cells: pay a part, settle those of covered cells, close the gaps in the list. One
-!> item is one debt.
+!> Deferred sources of gas cells, called debts: pay a part, settle those of covered cells, close the
+!> gaps in the list. One item is one debt. This is flux redistribution, spread over time.
 module brz_debt_items
     use brz_coupling_box, only: box_t, is_own, place_at
     use brz_kinds, only: dp, int32, int64, int8, rk

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> Ledgers of solid cells and debts of gas cells: the operations of every step, in their order, and
-!> what donors hand over. scripts/steps.py writes the same for the GPU.
+!> Gas that is stored in solid cells (ledgers) and deferred sources of gas cells (debts): flux
+!> redistribution. The operations of every step, in their order, and what donors hand over.
+!> scripts/steps.py writes the same for the GPU.
 module brz_debt_steps
     use brz_air_state, only: air_t
     use brz_coupling_state, only: coupling_t

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> Cells that change between gas and solid: the solid moved, the gas must be accounted for. The
-!> operations of every step, in their order; scripts/steps.py writes the same for the GPU.
+!> Cell reclassification: newly covered and freshly cleared cells. The solid moved, the gas must be
+!> accounted for. The operations of every step, in their order; scripts/steps.py writes the same for
+!> the GPU.
 !>
 !> Everything is a gather over cells in their own order, so the result depends neither on the order
 !> of the particles nor on the number of threads; only debts, which are few, are booked one by one.

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The surroundings of a cell that the solid has left. Point physics: compiled for the CPU and for
-!> the GPU.
+!> The surroundings of a freshly cleared cell, one that the solid has left. Point physics: compiled
+!> for the CPU and for the GPU.
 module brz_fresh_rules
     use brz_cell_shells, only: touching
     use brz_gas, only: to_primitive

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> What happens to the gas of one cell when the solid comes or goes: in place of cut cells the
-!> immersed boundary has whole ones. Point physics: compiled for the CPU and for the GPU.
+!> immersed boundary has whole ones, and no small cell shortens the step. Point physics: compiled
+!> for the CPU and for the GPU.
 !>
 !> Conserved variables are density, momentum x, y, z, total energy and products per volume, as in
 !> air_t; the last is zero where no products are carried.

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> How gas and particles push each other. Point physics: compiled for the CPU and for the GPU.
+!> Wall tractions: how gas and particles push each other. Point physics: compiled for the CPU and
+!> for the GPU.
 module brz_load_rules
     use brz_column_rules, only: direction_of, sign_of
     use brz_gas, only: to_primitive

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Boxes of cells on the grid of the air, and how the grid is cut into one for each process.
+!> Domain decomposition of the air: boxes of cells on its grid, one for each process, its subdomain.
 !>
 !> All processes cut alike, without a message. Boxes begin on multiples of `brick` cells, so that a
 !> brick lies in one box.

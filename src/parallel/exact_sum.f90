@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Sums that do not depend on order, threads or processes.
+!> Reproducible summation: sums that do not depend on order, threads or processes, in fixed-point
+!> accumulators.
 !>
 !> All processes agree on the largest exponent of the terms. Each term is cut below it into limbs of
 !> 31 bits; limbs are added as whole numbers, which is exact in any order. There is room for 2^32

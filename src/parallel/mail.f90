@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Bytes from every process to every other one: one parcel for each, some of them empty.
+!> Message exchange: bytes from every process to every other one, one parcel for each, some of them
+!> empty.
 !>
 !> First all tell each other how long the parcels are (`tell_counts`), then both sides make room
 !> (`make_room`), and `post` sends them, as often as there is something new in them.

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Marks of places, a row for each process, and the places that are marked. They are counted in
-!> chunks: what is mostly not marked is read twice, and never written.
+!> Send masks: marks of places, a row for each process, and the places that are marked. They are
+!> counted in chunks: what is mostly not marked is read twice, and never written.
 module brz_mark_items
     use brz_kinds, only: int32
     implicit none

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Rows of listed particles, cells or faces from some arrays into those of other processes, in one
-!> message to each.
+!> Message buffers, called parcels: rows of listed particles, cells or faces from some arrays into
+!> those of other processes, in one message to each.
 module brz_parcels
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr, c_ptr
     use brz_kinds, only: int32, int64, int8

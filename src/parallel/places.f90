@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Lists of places whose particles, cells or faces are in a message, process by process.
+!> Send lists: places whose particles, cells or faces are in a message, process by process.
 module brz_places
     use brz_kinds, only: int32, int64
     implicit none

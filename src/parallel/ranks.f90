@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The processes of a run: how they start, vote, add up, and end together.
+!> The processes (MPI ranks) of a run: how they start, vote (an all-reduce of errors), add up, and
+!> end together.
 !>
 !> A run that mpirun has not started is one process and never touches MPI. Every procedure here but
 !> `start_ranks` and `end_ranks` does nothing for one process.

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Force of contact between two bodies, summed over the particles of one.
+!> Body-pair force: that of contact between two bodies, summed over the particles of one.
 module brz_between_items
     use brz_contact, only: law_shared, meeting_t
     use brz_contact_items, only: add_pair, look_along, owner_of, trace_at

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Bodies as lattices of particles: layers, spacings, the test of a shape, its exact volume.
+!> Body geometry as lattices of particles: layers, spacings, the test of a shape, its exact volume.
 !>
 !> Symmetry planes cut a body to the positive side; the first layer is half a spacing off a plane.
 module brz_body_shape

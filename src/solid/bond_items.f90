@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Bonds between bodies, a particle at a time: particles take part in each other's sums as one
+!> Tied contact, called bonds, a particle at a time: particles take part in each other's sums as one
 !> continuum does, until a bond breaks for good. Bodies that share their sums do so whenever they
 !> approach or are compressed, though they start apart.
 module brz_bond_items

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> Cohesive law of an interface: traction over opening, bilinear, one damage for all modes. Point
-!> physics, in real64 at any precision: there are few points, and their damage comes close to 1.
+!> Traction-separation law of a cohesive zone: traction over opening, bilinear, one damage for all
+!> modes. Point physics, in real64 at any precision: there are few points, and their damage comes
+!> close to 1.
 !>
 !> Up to the onset an opening `d` has the traction `K d`. The onset is that of the quadratic
 !> criterion; from there the traction falls on a straight line to zero, so that the work per area is

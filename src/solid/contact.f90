@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Contact and bonds between particles of different bodies. Point physics.
+!> Penalty contact and tied contact (bonds) between particles of different bodies. Point physics.
 !>
 !> Each particle sums the kernel over the particles of other bodies. Where the sum exceeds that of a
 !> flat surface one spacing away the bodies press on each other, with the potential energy

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Loads in scenes without air, a particle at a time: pushes on whole bodies, pressures on facets,
-!> what they do to a rigid body.
+!> Loads in scenes without air, a particle at a time: body forces, pressures on loaded segments
+!> (facets), what they do to a rigid body.
 module brz_facet_items
     use brz_face_stress, only: add_face_stress
     use brz_friedlander, only: friedlander_impulse

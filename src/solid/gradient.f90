@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Corrected gradients of one particle: pair terms, correction matrix, velocity gradient.
+!> Corrected gradients of one particle: pair terms, correction matrix, velocity gradient; its CFL
+!> limit.
 !>
 !> With w = V_j F_ij, M = sum w x_ij (x) x_ij and B = M^-1, the gradient of a field u is
 !> sum w u_ij (x) x_ij B: exact for linear fields on any arrangement of particles. Point physics.

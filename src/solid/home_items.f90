@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Which process a particle belongs to, and which others need it as a ghost.
+!> The owner rank of a particle, its home, and which other processes need it as a ghost.
 module brz_home_items
     use brz_kinds, only: dp, int32, int64
     use brz_solid_state, only: is_gone, n_want, want_corners, want_reach

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Particles that leave the region, one at a time.
+!> Particles that leave the region, one at a time. There is no other erosion of particles.
 module brz_leaving_items
     use brz_contact, only: crossing_share, in_core, law_shared, meeting_t
     use brz_contact_items, only: look_along, owner_of

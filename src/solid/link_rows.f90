@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The links of a particle, as lists of links_t hold them on the CPU.
+!> The inter-body neighbours of a particle, called links, as lists of links_t hold them on the CPU.
 module brz_link_rows
     use brz_contact, only: law_bonded
     use brz_contact_items, only: owner_of

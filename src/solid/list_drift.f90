@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> How long neighbour lists and links last, body by body: motion that a whole body shares counts for
-!> nothing.
+!> How long neighbour lists (Verlet lists with a skin) and links last, body by body: motion that a
+!> whole body shares counts for nothing.
 !>
 !> The list of body b was built for the places `x_built`. Since then the body as a whole has drifted
 !> by D, at the mean velocity that it had then; what counts for a particle is

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> How far a particle has moved relative to its body since its list was built, in levels. Point
-!> physics.
+!> The check of the Verlet skin: how far a particle has moved relative to its body since its list
+!> was built, in levels. Point physics.
 !>
 !> Level k says that it is between k and k + 1 units, that of `move_levels` that the list has had
 !> its time, and `lost_level` that its place is no number.

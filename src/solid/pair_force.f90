@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Forces between two particles: stress, artificial viscosity, hourglass control by a viscous or a
-!> stiff force.
+!> Forces between two particles: stress, artificial viscosity, hourglass control by a viscous
+!> (rate-based) or a stiff (displacement-based) force.
 !>
 !> Every force here changes sign when the particles change places: momentum is conserved to
 !> rounding whatever the state of the material. w = V_i V_j F_ij, x_ij = x_i - x_j. Point physics.

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Which particles of a face lie under a surface of triangles: seen along the axis of the face, as
-!> the face itself is.
+!> A loaded area of a face: which of its particles lie under a surface of triangles, seen along the
+!> axis of the face, as the face itself is.
 module brz_patch
     use brz_kinds, only: dp
     use brz_stl, only: mesh_t

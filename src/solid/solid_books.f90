@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The books of bodies that several processes share: each process books what its particles do.
+!> Accumulated diagnostics, the books, of bodies that several processes share: each process books
+!> what its particles do.
 module brz_solid_books
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp

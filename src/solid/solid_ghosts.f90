@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Fields of particles on their way between processes, and the ghosts that they fill.
+!> Ghost exchange of particles: fields on their way between processes, and the ghosts that they
+!> fill.
 !>
 !> A ghost is what a process knows of a particle of another one. It has a place in the arrays behind
 !> the particles of its body, and is never computed: what others need of it comes by message.

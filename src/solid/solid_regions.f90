@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Regions of space for processes, each with about as many particles as any other.
+!> Domain decomposition and load balancing of particles: a region of space for each process, its
+!> subdomain, each with about as many particles as any other.
 !>
 !> All of space is cut in two, across the longest extent of the particles, and each half again, in
 !> proportion to the processes on each side. Cuts lie on the edges of the bins of a histogram, whose

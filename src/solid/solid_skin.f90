@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Where the surfaces of round bodies and of those from triangles are, for contact: that of the
-!> shape, not of its lattice.
+!> The contact surface of round bodies and of those from triangles: that of the shape, not of its
+!> lattice.
 !>
 !> Contact begins where the kernel sum over the other body is that of a flat surface one spacing
 !> away. A round surface curves away and a lattice follows it in steps; so the cells of the outer

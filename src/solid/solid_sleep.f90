@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> Bodies that sleep: unloaded and at rest they are left out of the steps, and nothing else changes
-!> by a bit. A body wakes for good when a load reaches it or a body that is awake comes within
-!> reach. In a scene without air all bodies sleep until the first of its loads begins.
+!> Inactive bodies, which sleep: unloaded and at rest they are left out of the steps, and nothing
+!> else changes by a bit. A body wakes for good when a load reaches it or a body that is awake comes
+!> within reach. In a scene without air all bodies sleep until the first of its loads begins.
 module brz_solid_sleep
     use brz_kinds, only: int64, rk
     use brz_ranks, only: most_of_all

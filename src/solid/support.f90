@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> In which directions a particle is held.
+!> Supports: in which directions a particle is held (single-point constraints).
 module brz_support
     use brz_kinds, only: int32, rk
     use brz_solid_state, only: is_held

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The hold: hourglass control in tension, against the tensile instability of SPH, by a stiff force
-!> in proportion to the tension.
+!> Tensile-instability control, called the hold: hourglass control in tension by a stiff force in
+!> proportion to the tension.
 !>
 !> Sums over present positions have a negative stiffness for waves of two spacings in matter under
 !> tension: 1.25 times the largest principal tension in an infinite lattice. A stiffness

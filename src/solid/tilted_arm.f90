@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Gradient of the outermost layers of a laminate, which have neighbours on one side only.
+!> One-sided gradient correction at free faces: the outermost layers of a laminate have neighbours
+!> on one side only.
 !>
 !> A gradient there sees the strain of a place a quarter of a spacing deeper. So where M and G of
 !> brz_gradient have x_ij in their second place, such a particle has the arm

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Particles wider in some directions than in others: a total-Lagrangian body on a lattice that is
-!> mapped to one of cubes.
+!> Anisotropic spacing, particles wider in some directions than in others: a total-Lagrangian body
+!> on a lattice that is mapped to one of cubes.
 !>
 !> With the spacings d_a of the layers and d their geometric mean, the lattice coordinates are
 !> Y_a = X_a d/d_a, a map of determinant 1. A total-Lagrangian body may have any unloaded shape as

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The conservation ledger: where mass, momentum and energy are, and what is not accounted for.
+!> The conservation audit, called the ledger of a run: where mass, momentum and energy are, and what
+!> is not accounted for.
 !>
 !> All values are of what is modelled (a half or a quarter where symmetry planes cut the scene).
 module brz_ledger
