@@ -17,6 +17,8 @@ import re
 import sys
 from pathlib import Path
 
+from item_heads import line_at
+
 LINE = re.compile(r"^ *!@foreign (\w+) (\w+)\(([^)]*)\)\n", re.M)
 KINDS = {"int": "integer(c_int)", "size": "integer(c_size_t)", "address": "integer(c_intptr_t)"}
 KINDS |= {"byte": "integer(c_signed_char)", "float": "real(c_float)", "pointer": "type(c_ptr)"}
@@ -53,11 +55,13 @@ def main():
     find += ["    end subroutine find_functions"]
     first, last = text.index("    !@foreign"), [m.end() for m in LINE.finditer(text)][-1]
     declared = "\n".join([*kinds, *pointers]) + "\n"
-    body = text[:first] + declared + text[last:]
-    body = body.replace("\ncontains\n", "\ncontains\n" + "\n".join(find) + "\n", 1)
+    resume = f'# {line_at(text, last)} "{source}"\n'
+    body = text[:first] + declared + resume + text[last:]
+    after = f'\n# {line_at(text, text.index("contains") + 9)} "{source}"\n'
+    body = body.replace("\ncontains\n", "\ncontains\n" + "\n".join(find) + after, 1)
     head, rest = body.split("\n", 1)
     note = f"!> Written by scripts/foreign.py from {source}."
-    target.write_text(f"{head}\n{note}\n{rest}", encoding="utf-8")
+    target.write_text(f'{head}\n{note}\n# 2 "{source}"\n{rest}', encoding="utf-8")
 
 
 if __name__ == "__main__":

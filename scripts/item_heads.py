@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What the head of an item says, and how a module around items is written.
 
-For items.py, kernels.py, steps.py and mirror.py.
+For the scripts that write Fortran. What they write has lines such as
+`# 12 "src/air/face_items.f90"`: errors of the compiler and gdb speak of that line of the source.
 """
 
 import re
@@ -80,8 +81,31 @@ def fold(text, mark=""):
     return [mark + x + " &" for x in lines[:-1]] + [mark + lines[-1]]
 
 
+def line_at(text, position):
+    """Number of the line of a text that a position is in."""
+    return text.count("\n", 0, position) + 1
+
+
+def marked(lines, source):
+    """Lines of code, given as (number of a line of the source or None, text), with line marks. What
+    a statement goes on with, and lines without a number, count on from the line before."""
+    expected, goes_on = None, False
+    for number, text in lines:
+        if number and text and number != expected and not goes_on:
+            yield f'# {number} "{source}"'
+            expected = number
+        yield text
+        expected = expected and expected + 1
+        goes_on = text.rstrip().endswith("&")
+
+
+def at_line(lines, number, source):
+    """Lines of code, each statement with the mark of one line of the source."""
+    return list(marked([(None if x.startswith("!") else number, x) for x in lines], source))
+
+
 def inner(lines):
-    return ["    " + x if x else x for x in lines]
+    return ["    " + x if x and not x.startswith("# ") else x for x in lines]
 
 
 def procedure(doc, head, names, declared, body):

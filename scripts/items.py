@@ -9,7 +9,20 @@ import re
 import sys
 from pathlib import Path
 
-from item_heads import BUFFER, ITEM, KNOWN, TALLY, USE, Item, fold, inner, procedure, write
+from item_heads import (
+    BUFFER,
+    ITEM,
+    KNOWN,
+    TALLY,
+    USE,
+    Item,
+    at_line,
+    fold,
+    inner,
+    line_at,
+    procedure,
+    write,
+)
 
 
 def loop(item):
@@ -117,7 +130,7 @@ def launch(number, stem, item):
     return procedure(item.doc, f"subroutine launch_{item.name}", names, declared, body)
 
 
-def launches(stem, items, launch, prefix):
+def launches(stem, items, launch):
     """The type whose procedures launch the kernels of a file, one of it, and these procedures."""
     kind = [f"type :: {stem}_kernels_t", "contains"]
     kind += [f"    procedure, nopass :: {x.name} => launch_{x.name}" for x in items]
@@ -130,12 +143,16 @@ def main():
     source, folder = Path(sys.argv[1]), Path(sys.argv[2])
     text, stem = source.read_text(encoding="utf-8"), source.stem.removesuffix("_items")
     items = [Item(*m.groups(), text[m.end() :]) for m in ITEM.finditer(text)]
+    lines = [line_at(text, m.end()) for m in ITEM.finditer(text)]
     known = dict(KNOWN)
     for owner, names in USE.findall(text):
         known |= dict.fromkeys(re.findall(r"\w+", names), owner)
-    write(folder / f"{stem}_launches.f90", source, known, *launches(stem, items, launch, "each_"))
+    kind, made = launches(stem, items, launch)
+    made = [at_line(one, n, source) for one, n in zip(made, lines, strict=True)]
+    write(folder / f"{stem}_launches.f90", source, known, kind, made)
     known |= {x.name: f"brz_{source.stem}" for x in items}
     every = [exact_loop(x) if x.exact else loop(x) for x in items]
+    every = [at_line(one, n, source) for one, n in zip(every, lines, strict=True)]
     write(folder / f"{stem}_loops.f90", source, known, [], every)
     write(folder / f"{stem}_kernels.CUF", source, known, [], [kernel(x) for x in items])
 

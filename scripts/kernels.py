@@ -21,7 +21,17 @@ import re
 import sys
 from pathlib import Path
 
-from item_heads import BUFFER, KNOWN, USE, Argument, fold, procedure, write
+from item_heads import (
+    BUFFER,
+    KNOWN,
+    USE,
+    Argument,
+    at_line,
+    fold,
+    line_at,
+    procedure,
+    write,
+)
 from items import launches
 
 KERNEL = re.compile(r"((?:^ *!>.*\n)+)^ *attributes\(global\)[^&\n]*?subroutine (\w+)\(", re.M)
@@ -112,18 +122,23 @@ def variants(kernel):
 def main():
     stem, folder, plain, varied = sys.argv[1], Path(sys.argv[2]), [], []
     known, own = dict(KNOWN), {}
-    for text in (Path(x).read_text(encoding="utf-8") for x in sys.argv[3:]):
-        plain += [Kernel(*m.groups(), text[m.end() :]) for m in KERNEL.finditer(text)]
+    places = {}
+    for path, text in ((x, Path(x).read_text(encoding="utf-8")) for x in sys.argv[3:]):
+        for m in KERNEL.finditer(text):
+            plain += [Kernel(*m.groups(), text[m.end() :])]
+            places[m[2]] = line_at(text, m.end()), path
         for m in VARIED.finditer(text):
             found = list(dict.fromkeys(each_scheme(VARIANT.findall(m[2]))))
             varied += [Kernel(m[1], m[3], text[m.end() :], found)]
+            places[m[3]] = line_at(text, m.end()), path
         for owner, names in USE.findall(text):
             known |= dict.fromkeys(re.findall(r"\w+", names), owner)
         for names in PUBLIC.findall(text):
             module = re.search(r"^module (\w+)", text, re.M)[1]
             own |= dict.fromkeys(re.findall(r"\w+", names), module)
-    kind, made = launches(stem, plain, launch, "") if plain else ([], [])
+    kind, made = launches(stem, plain, launch) if plain else ([], [])
     made += [launch(0, stem, x) for x in varied]
+    made = [at_line(x, *places[k.name]) for x, k in zip(made, plain + varied, strict=True)]
     source = f"cuda/{stem}*.CUF"
     write(folder / f"{stem}_launches.f90", source, known, kind, made)
     if made := [one for x in varied for one in variants(x)]:

@@ -13,7 +13,7 @@ import re
 import sys
 from pathlib import Path
 
-from item_heads import BUFFER, fold
+from item_heads import BUFFER, at_line, fold, line_at
 
 TYPE = re.compile(r"^ *!@mirror\n *type :: (\w+)_t\n(.*?)^ *end type", re.M | re.S)
 ARRAY = re.compile(r"^ *([\w()]+), allocatable :: (\w+)\([:, ]*\)(?: *!! *\((.*?0:\w+)\))?", re.M)
@@ -22,7 +22,9 @@ NUMBER = re.compile(r"^ *(integer :: [^!\n]*[^! \n])", re.M)
 
 def main():
     source, target = Path(sys.argv[1]), Path(sys.argv[2])
-    name, text = TYPE.search(source.read_text(encoding="utf-8")).groups()
+    whole = source.read_text(encoding="utf-8")
+    found = TYPE.search(whole)
+    name, text = found.groups()
     numbers = NUMBER.findall(text)
     arrays = [x for x in ARRAY.findall(text) if x[0] in BUFFER or x[0].startswith("type")]
     kinds = {x: BUFFER.get(kind, "buffer_t") for kind, x, _ in arrays}
@@ -54,6 +56,7 @@ def main():
         call = f"if (allocated(host%{x})) call put_buffer({part}, gpu%{x}, {size}, err)"
         lines += [f"        {one}" for one in fold(call)]
     lines += [f"    end subroutine put_{name}", f"end module brz_gpu_{source.stem}"]
+    lines[1:] = at_line(lines[1:], line_at(whole, found.start(1)), source)
     target.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

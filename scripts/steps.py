@@ -23,7 +23,7 @@ import re
 import sys
 from pathlib import Path
 
-from item_heads import BUFFER, ITEM, Item, fold
+from item_heads import BUFFER, ITEM, Item, fold, marked
 
 CALL = re.compile(r"^(.*?)\bcall ([\w%]+)\((.*)\)$")
 HEAD = re.compile(r"^subroutine (\w+)\((.*)\)$")
@@ -70,14 +70,15 @@ OWNED = {"solid": OF_SOLIDS + OWN, "air": OF_AIR + OWN}
 
 
 def statements(text):
-    """(indent, statement, comment) with continued lines joined."""
-    whole, begin = "", 0
-    for line in text.splitlines():
+    """(number of the line, indent, statement, comment) with continued lines joined."""
+    whole, begin, first = "", 0, 1
+    for number, line in enumerate(text.splitlines(), 1):
         bare, mark, comment = line.partition("!")
-        begin = begin if whole else len(line) - len(line.lstrip())
+        if not whole:
+            begin, first = len(line) - len(line.lstrip()), number
         whole += bare.strip().removesuffix("&") + " "
         if not bare.rstrip().endswith("&"):
-            yield begin, " ".join(whole.split()), mark + comment
+            yield first, begin, " ".join(whole.split()), mark + comment
             whole = ""
 
 
@@ -165,17 +166,17 @@ def changed(code, owner):
 
 
 def translated(text, items, owner):
-    """(indent, statement, comment) of the module for the GPU."""
+    """(number of the line, indent, statement, comment) of the module for the GPU."""
     opened, lines = False, []
-    for indent, code, comment in statements(text):
+    for number, indent, code, comment in statements(text):
         if re.match(r"use brz_\w+_loops", code) or comment.startswith("!@cpu"):
             continue
         if opened and owner and code == "type(error_t), intent(inout) :: err":
             continue
         if opened and owner and code.startswith(f"type({owner}_t)"):
-            lines.append((8, f"type(gpu_{owner}_t), intent(inout) :: gpu", ""))
+            lines.append((number, 8, f"type(gpu_{owner}_t), intent(inout) :: gpu", ""))
         if opened and "intent(" not in code and not comment:
-            lines.append((8, "type(error_t), intent(inout) :: err", ""))
+            lines.append((number, 8, "type(error_t), intent(inout) :: err", ""))
         if "intent(" not in code and not comment:
             opened = False
         opened = opened or bool(HEAD.match(code))
@@ -183,12 +184,13 @@ def translated(text, items, owner):
         if code and not new:
             continue
         for one in called(new, comment, items, owner):
-            lines.append((indent, one, "" if comment.startswith("!@") else comment))
-    code = "\n".join(x for _, x, _ in lines)
+            lines.append((number, indent, one, "" if comment.startswith("!@") else comment))
+    code = "\n".join(x for _, _, x, _ in lines)
     tags = [] if owner else {x for line in TAGS.findall(text) for x in line.split()}
     families = set(re.findall(r"(?<!%)\b(\w+)_kernels%", code))
-    at = next(k for k, line in enumerate(lines) if line[1] == "implicit none")
-    return [*lines[:at], *((4, x, "") for x in uses(code, tags, families)), *lines[at:]]
+    at = next(k for k, line in enumerate(lines) if line[2] == "implicit none")
+    more = [(lines[at][0], 4, x, "") for x in uses(code, tags, families)]
+    return [*lines[:at], *more, *lines[at:]]
 
 
 def main():
@@ -202,12 +204,13 @@ def main():
     lines = []
     folder = "solid" if source.name.startswith("solid_") else source.parent.name
     owner = {"solid": "solid", "air": "air", "step": "air"}.get(folder, "")
-    for indent, code, comment in translated(source.read_text(encoding="utf-8"), items, owner):
+    text = source.read_text(encoding="utf-8")
+    for number, indent, code, comment in translated(text, items, owner):
         every = fold(code) if code else [""]
         every[-1] += f" {comment}" if code else comment
-        lines += [(" " * indent + x).rstrip() for x in every]
-    lines.insert(1, f"!> Written by scripts/steps.py from {source}.")
-    target.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        lines += [(number if code else None, (" " * indent + x).rstrip()) for x in every]
+    lines.insert(1, (None, f"!> Written by scripts/steps.py from {source}."))
+    target.write_text("\n".join(marked(lines, source)) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -18,6 +18,8 @@ import re
 import sys
 from pathlib import Path
 
+from item_heads import line_at
+
 VARIED = re.compile(
     r"((?:^ *!>.*\n)+)((?:^ *!@variant.*\n)+)^ *((?:pure )?subroutine) (\w+)\((\w+), ((?:.*\n)+?)"
     r"^ *end subroutine \w+\n",
@@ -26,44 +28,54 @@ VARIED = re.compile(
 NAMED = re.compile(r"!@variant (\w+): (\w+)")
 
 
-def copies(text):
-    """The text with the variants in place of the procedures that have them."""
+def copies(text, source):
+    """The text with the variants in place of the procedures that have them, and line marks."""
     found = {m[4]: m for m in VARIED.finditer(text)}
     kinds = {name: dict(NAMED.findall(m[2])) for name, m in found.items()}
     helpers = [name for name in found if not kinds[name]]
 
-    def write(match, name, kind, suffix):
+    def mark(position):
+        return f'# {line_at(text, position)} "{source}"\n'
+
+    def write(match, name, kind):
         doc, head, first, body = match[1], match[3], match[5], match[6]
         body = re.sub(
             rf"integer, intent\(in\) :: {first}\b", f"integer, parameter :: {first} = {kind}", body
         )
         for one in helpers:
-            body = re.sub(rf"\bcall {one}\({first}, ", f"call {one}_{suffix}(", body)
-        return f"{doc}    {head} {name}({body}    end subroutine {name}\n"
+            body = re.sub(rf"\bcall {one}\({first}, ", f"call {one}_{kind}(", body)
+        begin = mark(match.start()) + doc + mark(match.start(3))
+        return f"{begin}    {head} {name}({body}    end subroutine {name}\n"
 
     def varied(match):
         if names := kinds[match[4]]:
-            made = [write(match, name, kind, kind) for name, kind in names.items()]
+            made = [write(match, name, kind) for name, kind in names.items()]
         else:
             every = {kind for names in kinds.values() for kind in names.values()}
-            made = [write(match, f"{match[4]}_{kind}", kind, kind) for kind in sorted(every)]
-        return "\n".join(made)
+            made = [write(match, f"{match[4]}_{kind}", kind) for kind in sorted(every)]
+        return "\n".join(made) + mark(match.end())
 
     def choose(match):
         indent, names = match[1], kinds[match[2]]
         every = [f"case ({k})\n{indent}    call {one}({match[4]})" for one, k in names.items()]
-        return f"\n{indent}".join([f"{indent}select case ({match[3]})", *every, "end select"])
+        lines = [f"{indent}select case ({match[3]})", *every, "end select"]
+        return f"\n{indent}".join(lines) + "\n" + mark(match.end())
 
-    text = VARIED.sub(varied, text)
     chosen = "|".join(name for name in found if kinds[name])
-    return re.sub(rf"^( *)call ({chosen})\((\w+), ((?:.*&\n)*.*)\)$", choose, text, flags=re.M)
+    call = re.compile(rf"^( *)call ({chosen})\((\w+), ((?:.*&\n)*.*)\)\n", re.M)
+    made, done = [], 0
+    changes = [(m, varied) for m in found.values()] + [(m, choose) for m in call.finditer(text)]
+    for match, change in sorted(changes, key=lambda one: one[0].start()):
+        made += [text[done : match.start()], change(match)]
+        done = match.end()
+    return "".join([*made, text[done:]])
 
 
 def main():
     source, target = Path(sys.argv[1]), Path(sys.argv[2])
-    lines = copies(source.read_text(encoding="utf-8")).split("\n", 1)
+    first, rest = copies(source.read_text(encoding="utf-8"), source).split("\n", 1)
     note = f"!> Written by scripts/variants.py from {source}."
-    target.write_text(f"{lines[0]}\n{note}\n{lines[1]}", encoding="utf-8")
+    target.write_text(f'{first}\n{note}\n# 2 "{source}"\n{rest}', encoding="utf-8")
 
 
 if __name__ == "__main__":

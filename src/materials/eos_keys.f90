@@ -77,79 +77,79 @@ contains
     end function cutoff_key
 
     !> Block of the shock Hugoniot.
-    pure function gruneisen_block(density, par) result(block)
+    pure function gruneisen_block(density, par) result(numbers)
         real(rk), intent(in) :: density, par(n_gruneisen)
-        real(rk) :: block(n_block)
+        real(rk) :: numbers(n_block)
         integer, parameter :: c0 = k_density + eos_c0 - 1
 
-        block = 0
-        block(k_kind) = eos_gruneisen
-        block(k_density) = density
-        block(c0:c0 + n_gruneisen - 1) = par
-        block(k_density + eos_mu_max - 1) = &
-            hugoniot_limit(block(k_density:k_density + n_eos - 1))
+        numbers = 0
+        numbers(k_kind) = eos_gruneisen
+        numbers(k_density) = density
+        numbers(c0:c0 + n_gruneisen - 1) = par
+        numbers(k_density + eos_mu_max - 1) = &
+            hugoniot_limit(numbers(k_density:k_density + n_eos - 1))
     end function gruneisen_block
 
     !> Block of the polynomial; refuses one that does not rise at small strains.
-    pure subroutine polynomial_block(density, par, tension_given, block, fault)
+    pure subroutine polynomial_block(density, par, tension_given, numbers, fault)
         real(rk), intent(in) :: density, par(n_polynomial)
         logical, intent(in) :: tension_given
-        real(rk), intent(out) :: block(n_block)
+        real(rk), intent(out) :: numbers(n_block)
         character(:), allocatable, intent(inout) :: fault
         real(rk), parameter :: most = 10, least_range = 0.2_rk
         integer, parameter :: steps = 2000
         type(eos_terms_t) :: terms
         integer :: i
 
-        block = 0
-        block(k_kind) = eos_polynomial
-        block(k_density) = density
-        block([k_a1, k_a2, k_a3, k_b0, k_b1, k_t1, k_t2]) = par
-        if (.not. tension_given) block(k_t1) = block(k_a1)
-        block(k_mu_max) = most
+        numbers = 0
+        numbers(k_kind) = eos_polynomial
+        numbers(k_density) = density
+        numbers([k_a1, k_a2, k_a3, k_b0, k_b1, k_t1, k_t2]) = par
+        if (.not. tension_given) numbers(k_t1) = numbers(k_a1)
+        numbers(k_mu_max) = most
         do i = 1, steps
-            call eos_terms(block, most*i/steps, terms)
+            call eos_terms(numbers, most*i/steps, terms)
             if (terms%a_slope > 0) cycle
-            block(k_mu_max) = most*(i - 1)/steps
+            numbers(k_mu_max) = most*(i - 1)/steps
             exit
         end do
-        if (block(k_mu_max) < least_range) fault = 'the pressure falls with compression from '// &
+        if (numbers(k_mu_max) < least_range) fault = 'the pressure falls with compression from '// &
             'mu < 0.2 on: a2 and a3 are too negative'
     end subroutine polynomial_block
 
     !> Block of the equation that the deck chooses; keys of another one are refused.
-    subroutine chosen_block(density, par, given, first, block, fault)
+    subroutine chosen_block(density, par, given, first, numbers, fault)
         real(rk), intent(in) :: density !! unloaded [kg/m3]
         real(rk), intent(in) :: par(n_par)
         logical, intent(in) :: given(:)
         integer, intent(in) :: first !! slot of the key `eos`
-        real(rk), intent(out) :: block(n_block)
+        real(rk), intent(out) :: numbers(n_block)
         character(:), allocatable, intent(inout) :: fault
         integer :: g, p
 
         g = first + 1
         p = g + n_gruneisen
-        block = 0
+        numbers = 0
         select case (int(par(first)))
         case (eos_gruneisen)
             if (.not. all(given([g, g + 1, g + 4]))) &
                 fault = "eos='gruneisen' needs sound_speed, s1 and gruneisen_gamma"
             if (any(given(p:p + n_polynomial - 1))) fault = "eos='gruneisen' takes no "// &
                 'bulk_modulus, a2, a3, b0, b1, t1, t2'
-            if (.not. allocated(fault)) block = gruneisen_block(density, par(g:p - 1))
+            if (.not. allocated(fault)) numbers = gruneisen_block(density, par(g:p - 1))
         case (eos_polynomial)
             if (.not. given(p)) fault = "eos='polynomial' needs bulk_modulus"
             call refuse_gruneisen('polynomial', given(g:p - 1), fault)
             if (.not. allocated(fault)) call polynomial_block(density, &
-                par(p:p + n_polynomial - 1), given(p + 5), block, fault)
+                par(p:p + n_polynomial - 1), given(p + 5), numbers, fault)
         case default
             if (.not. given(p)) fault = "eos='linear' needs bulk_modulus"
             call refuse_gruneisen('linear', given(g:p - 1), fault)
             if (any(given(p + 1:p + n_polynomial - 1))) fault = "eos='linear' takes no "// &
                 'a2, a3, b0, b1, t1, t2'
-            block(k_kind) = eos_linear
-            block(k_density) = density
-            block(k_a1) = par(p)
+            numbers(k_kind) = eos_linear
+            numbers(k_density) = density
+            numbers(k_a1) = par(p)
         end select
     end subroutine chosen_block
 

@@ -2,6 +2,7 @@
 """What is written around an item does what the item says, and checks how it is called."""
 
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -177,7 +178,7 @@ def built(folder, launch):
     base = [ROOT / "src" / x for x in ("base/kinds.F90", "base/tallies.f90", "gpu/buffers.f90")]
     stubs = [folder / "stubs.f90", ROOT / "src/parallel/exact_sum.f90"]
     made = [folder / f"{x}.f90" for x in ("twig_items", "twig_loops", "twig_launches")]
-    command = ["gfortran", "-cpp", "-fopenmp", "-J", folder, *base, *stubs, *made]
+    command = ["gfortran", "-cpp", "-fopenmp", "-g", "-O0", "-J", folder, *base, *stubs, *made]
     command += [folder / "user.f90"]
     command += ["-o", folder / "user"]
     return subprocess.run(command, capture_output=True, text=True, check=False)
@@ -191,6 +192,21 @@ def test_loops_do_all_items_and_sum(twig):
     # 18 of 0.5, 1, ..., 10 are above 1; their sum is 105, that of their squares 717.5.
     # Exact sums have no order: of 1e17, 2, -1e17, 1 that of reals is 1
     assert said.split("\n")[:2] == ["3 -9 20 20 18 105 718 1 400", "20 1 1 3"]
+
+
+@pytest.mark.skipif(not shutil.which("gdb"), reason="there is no gdb")
+def test_gdb_stops_at_items_and_shows_their_loops_there(twig):
+    done = built(twig, "call kernels%square(20, x, y, err)")
+    assert done.returncode == 0, done.stderr
+    line = 1 + ITEMS[: ITEMS.index("y(i) = nint(")].count("\n")
+    steps = [f"break twig_items.f90:{line}", "run", "print i", "bt 2", "finish", "info source"]
+    command = ["gdb", "-batch", "-nx", *(x for one in steps for x in ("-ex", one)), twig / "user"]
+    said = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False).stdout
+    if "ptrace: Operation not permitted" in said:
+        pytest.skip("processes may not be traced here")
+    head = 1 + ITEMS[: ITEMS.index("pure subroutine square")].count("\n")
+    assert re.search(rf"#0 .*square .* at \S*twig_items.f90:{line}", said), said
+    assert re.search(rf"#1 .*each_square.* at \S*twig_items.f90:{head}", said), said
 
 
 def test_sums_have_a_fixed_number_of_threads(twig):

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Steps that stand once, and variants of a loop: what the scripts write."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 
@@ -83,11 +86,44 @@ LOOP = """\
 """
 
 
-def written(folder, script, source, text):
+MARK = re.compile(r'^# (\d+) "(.*)"$')
+
+
+def lines_of(folder, script, source, text):
+    """What is written: (line of the source that the compiler takes it for, code) for each line."""
     (folder / source).write_text(text)
     command = [sys.executable, SCRIPTS / script, folder / source, folder / "out.f90"]
     subprocess.run(command, check=True)
-    return (folder / "out.f90").read_text()
+    number = 0
+    for line in (folder / "out.f90").read_text().splitlines():
+        if mark := MARK.match(line):
+            assert mark[2] == str(folder / source)
+            number = int(mark[1])
+        else:
+            yield number, line
+            number += 1
+
+
+def written(folder, script, source, text):
+    return "\n".join(code for _, code in lines_of(folder, script, source, text))
+
+
+@pytest.mark.parametrize(("script", "source", "text", "pairs"), [
+    ("steps.py", "debt_steps.f90", STEPS, {"call debt_kernels": "call each_pay_debt",
+                                           "if (over > 0)": "if (over > 0)"}),
+    ("variants.py", "loop.f90", LOOP, {"call help_one(": "call help(", "!> Help": "!> Help",
+                                       "subroutine sum_two(": "subroutine sum_all(",
+                                       "select case": "call sum_all(which",
+                                       "end subroutine sum_some": "end subroutine sum_some"}),
+])  # fmt: skip
+def test_the_compiler_speaks_of_the_lines_of_the_source(tmp_path, script, source, text, pairs):
+    (tmp_path / "debt_items.f90").write_text(ITEM)
+    made = list(lines_of(tmp_path, script, source, text))
+    asked = text.splitlines()
+    for code, origin in pairs.items():
+        (line,) = (k for k, one in enumerate(asked, 1) if one.strip().startswith(origin))
+        found = [number for number, one in made if one.strip().startswith(code)]
+        assert found and set(found) == {line}, (code, found, line)
 
 
 def test_steps_of_the_gpu_launch_and_hand_on_the_error(tmp_path):
