@@ -11,6 +11,7 @@ module brz_bilinear_j2
     use brz_material, only: material_t, n_par
     use brz_metal_keys, only: amount, cold_history, derive_metal, describe_metal, m_young
     use brz_model, only: model_t, real_key
+    use brz_rate_factor, only: apply_rate_factor
     implicit none
     private
     public :: bilinear_j2, describe_bilinear_j2, flow_bilinear_j2
@@ -62,15 +63,11 @@ contains
     pure subroutine flow_bilinear_j2(par, strain, rate, y, slope, by_rate)
         real(rk), intent(in) :: par(n_par), strain, rate
         real(rk), intent(out) :: y, slope, by_rate !! [Pa], per strain, per rate
-        real(rk) :: factor
 
         y = par(p_yield) + par(p_hardening)*strain
         slope = par(p_hardening)
         by_rate = 0
-        if (.not. (par(p_rate) > 0 .and. rate > 0)) return
-        factor = (rate/par(p_rate))**par(p_power)
-        by_rate = y*factor*par(p_power)/rate
-        y = y*(1 + factor)
-        slope = slope*(1 + factor)
+        if (par(p_rate) > 0) &
+            call apply_rate_factor(par(p_rate), par(p_power), rate, y, slope, by_rate)
     end subroutine flow_bilinear_j2
 end module brz_bilinear_j2

@@ -10,6 +10,7 @@ module brz_cowper_symonds
     use brz_material, only: material_t, n_par
     use brz_metal_keys, only: amount, cold_history, derive_metal, describe_metal, m_young
     use brz_model, only: model_t, real_key
+    use brz_rate_factor, only: apply_rate_factor
     implicit none
     private
     public :: cowper_symonds, describe_cowper_symonds, flow_cowper_symonds
@@ -64,17 +65,11 @@ contains
     pure subroutine flow_cowper_symonds(par, strain, rate, y, slope, by_rate)
         real(rk), intent(in) :: par(n_par), strain, rate
         real(rk), intent(out) :: y, slope, by_rate !! [Pa], per strain, per rate
-        real(rk) :: factor
 
         slope = par(p_hardening)
         y = par(p_yield) + slope*strain
         if (y >= par(p_ultimate)) slope = 0
         y = min(y, par(p_ultimate))
-        by_rate = 0
-        if (.not. rate > 0) return
-        factor = (rate/par(p_d))**par(p_power)
-        by_rate = y*factor*par(p_power)/rate
-        y = y*(1 + factor)
-        slope = slope*(1 + factor)
+        call apply_rate_factor(par(p_d), par(p_power), rate, y, slope, by_rate)
     end subroutine flow_cowper_symonds
 end module brz_cowper_symonds
