@@ -282,7 +282,7 @@ contains
         else if (any(lo(:d) < case%air%lo(:d) - tolerance(:d) .or. &
                      hi(:d) > case%air%hi(:d) + tolerance(:d))) then
             call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
-                             'part of the body lies outside the air and feels none')
+                             'part of the body lies outside the air grid: no air load there')
         end if
     end subroutine check_in_air
 

@@ -302,29 +302,29 @@ contains
         character(:), allocatable :: text
         character(1), parameter :: axis_names(3) = ['x', 'y', 'z']
         character(44), parameter :: auto(4) = [character(44) :: &
-                                               ' (auto: it springs back until it breaks)', &
-                                               ' (auto: a metal flows and stays together)', &
-                                               ' (auto: it crumbles)', ' (auto: it has no shape)']
+                                               ' (auto: elastic-brittle)', &
+                                               ' (auto: ductile metal)', &
+                                               ' (auto: granular, softens by damage)', &
+                                               ' (auto: fluid)']
 
         text = ''
         associate (body => solid%bodies(b))
             if (case%bodies(b)%formulation == 'auto' .and. body%formulation == form_total) then
-                text = ' (auto: its particles are wide)'
+                text = ' (auto: anisotropic spacing)'
             else if (case%bodies(b)%formulation == 'auto') then
                 text = trim(auto(solid%materials(body%material)%class))
             end if
             if (body%tension_hold > 0) &
-                text = text//', held by '//to_text(real(body%tension_hold, real32))// &
-                       ' times its tension'
-            if (body%tension_hold > 0 .and. body%lift > 0) text = text//', its faces by '// &
-                to_text(real(kappa_of(body%tension_hold, body%lift, 1.0_rk), real32))
+                text = text//', tensile control '//to_text(real(body%tension_hold, real32))
+            if (body%tension_hold > 0 .and. body%lift > 0) text = text//' (free faces '// &
+                to_text(real(kappa_of(body%tension_hold, body%lift, 1.0_rk), real32))//')'
             if (body%curved) text = text//', a wall round '//axis_names(minloc(body%normal, dim=1))
             if (body%formulation /= form_bending .and. count(body%normal > 0) == 1) &
                 text = text//', a plate across '//axis_names(maxloc(body%normal, dim=1))
             if (body%tension_hold > 0 .and. count(body%normal > 0) == 2 .and. .not. body%curved) &
                 text = text//', a bar along '//axis_names(minloc(body%normal, dim=1))
             if (body%formulation == form_total) &
-                text = text//', its step falls as far as it is pressed thinner'
+                text = text//', time step in proportion to its compression'
         end associate
     end function reason
 

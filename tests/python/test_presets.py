@@ -192,7 +192,7 @@ def test_a_key_of_a_preset_is_taken_back(tmp_path):
     assert code == 2
     code, text = run(tmp_path, "run", "b.nml", "--check", *total, "--set", "material(m).d1=none")
     assert code == 0, text
-    assert "its step falls as far as it is pressed thinner" in text
+    assert "time step in proportion to its compression" in text
 
 
 def test_a_preset_is_chosen_by_an_override(tmp_path):

@@ -277,4 +277,4 @@ def test_the_check_tells_widths(tmp_path):
     done = run(tmp_path, FREE.format(planes="", material=STEEL, spin="0,0,0", velocity="0,0,0"),
                "--check")  # fmt: skip
     assert "144 particles at 1.5 x 1.5 x 0.5 mm" in done.stdout
-    assert "its particles are wide), a plate across z" in done.stdout
+    assert "anisotropic spacing), a plate across z" in done.stdout
