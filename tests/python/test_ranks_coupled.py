@@ -155,19 +155,18 @@ def wrapped():
 
 
 @needs_mpirun
-def test_bodies_across_periodic_ends_do_not_depend_on_processes(tmp_path):
-    for n in (0, 3):
-        folder = tmp_path / str(n)
-        folder.mkdir()
-        (folder / "deck.nml").write_text(wrapped())
-    done = start(0, "run", "deck.nml", "--out", "out", cwd=tmp_path / "0")
-    assert done.returncode == 0, done.stderr
-    in_two(3, 2, 25, tmp_path / "3")
-    state = arrays(sorted((tmp_path / "0/out").glob("chk_*.h5"))[-1])
+@pytest.mark.parametrize(("n", "m"), [(3, 2), slow(2, None)])
+def test_bodies_across_periodic_ends_do_not_depend_on_processes(n, m, tmp_path):
+    go(0, wrapped(), tmp_path, out="one")
+    if m is None:
+        go(n, wrapped(), tmp_path)
+    else:
+        in_two(n, m, 25, tmp_path)
+    state = arrays(sorted((tmp_path / "one").glob("chk_*.h5"))[-1])
     assert state["coupling/covered_total"] > 30
     x = state["solid/x"]
     assert ((x[:, 0] < 0.06) | (x[:, 0] > 0.22) | (x[:, 2] < 0.05)).sum() > 30
-    equal_runs(tmp_path / "0/out", tmp_path / "3/out")
+    equal_runs(tmp_path / "one", tmp_path / "out")
 
 
 FLYING_IN = """\
