@@ -57,8 +57,9 @@ def main():
     declared = "\n".join([*kinds, *pointers]) + "\n"
     resume = f'# {line_at(text, last)} "{source}"\n'
     body = text[:first] + declared + resume + text[last:]
-    after = f'\n# {line_at(text, text.index("contains") + 9)} "{source}"\n'
-    body = body.replace("\ncontains\n", "\ncontains\n" + "\n".join(find) + after, 1)
+    begin = "\ncontains\n"
+    after = f'\n# {line_at(text, text.index(begin) + len(begin))} "{source}"\n'
+    body = body.replace(begin, begin + "\n".join(find) + after, 1)
     head, rest = body.split("\n", 1)
     note = f"!> Written by scripts/foreign.py from {source}."
     target.write_text(f'{head}\n{note}\n# 2 "{source}"\n{rest}', encoding="utf-8")

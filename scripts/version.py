@@ -10,7 +10,7 @@ import argparse
 import subprocess
 from pathlib import Path
 
-COMMIT = 16  # characters, filled with blanks
+COMMIT = 48  # characters, filled with blanks: room for a whole hash
 
 
 def commit():
