@@ -55,7 +55,7 @@ VARIANTS := $(shell grep -ls '^ *!@variant' $(SRC))
 FOREIGN := $(shell grep -ls '^ *!@foreign' $(SRC))
 MIRRORED := $(shell grep -ls '^ *!@mirror' $(SRC))
 REWRITTEN := $(VARIANTS) $(FOREIGN)
-STEPS := $(filter %_steps.f90,$(SRC))
+STEPS := $(shell grep -ls 'scripts/steps.py' $(filter %_steps.f90,$(SRC)))
 LOOPS := $(addprefix $(MADE)/,$(notdir $(REWRITTEN))) $(patsubst %,$(MADE)/gpu_%,$(notdir $(STEPS) $(MIRRORED))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
          $(if $(MODELS),$(MADE)/model_list.f90 $(MADE)/flow_list.f90)
 OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN) $(REWRITTEN),$(SRC)) $(LOOPS))) $(B)/obj/presets.o \

@@ -21,6 +21,9 @@ KNOWN |= dict.fromkeys(["find_once", "kernel_t", "launch"], "brz_device")
 EXACT = ["widen", "open_sums", "add_terms", "close_sums", "scale_t", "limbs"]
 KNOWN |= {"ranks_t": "brz_ranks", "int64": "brz_kinds"} | dict.fromkeys(EXACT, "brz_exact_sum")
 KNOWN |= {"tally_exactly": "brz_tallies", "gpu_exact_t": "brz_gpu_exact_sum"}
+KNOWN |= dict.fromkeys(["on_device", "one_on_device"], "brz_present_table")
+KNOWN |= dict.fromkeys(["begin_counts", "read_counts"], "brz_gpu_counts")
+KNOWN |= {"exact_for": "brz_gpu_exact_sum"}
 KNOWN |= {"fix_layout": "brz_link_layout", "error_t": "brz_errors"} | dict.fromkeys(
     [*BUFFER.values(), "buffer_t", "arguments_t"], "brz_buffers"
 )

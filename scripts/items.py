@@ -60,6 +60,51 @@ def exact_loop(item):
     return procedure(item.doc, f"subroutine each_{item.name}", names, declared, body)
 
 
+def dispatch(stem, item):
+    """The loop on the CPU, or the kernel on the GPU with the copies of the arrays there."""
+    exact, named = item.exact, {a.name: a for a in item.rest}
+    names = ["n", *(["ranks"] if exact else []), *(a.name for a in item.rest)]
+    declared = ["logical, intent(in) :: on_gpu !! arrays are in the present table"]
+    declared += [f"integer, intent(in) :: {item.n}"]
+    declared += ["type(ranks_t), intent(in) :: ranks"] if exact else []
+    kinds = [(a, "intent(out)" if a in exact else a.intent) for a in item.rest]
+    declared += [f"{a.kind}, {intent} :: {a.end}" for a, intent in kinds]
+    declared += (
+        ["type(doubles_t), intent(in) :: sums !! where a GPU adds up and keeps them"]
+        if item.sums and not exact
+        else []
+    )
+    declared += ["type(error_t), intent(inout) :: err"]
+    declared += [f"integer :: counted({len(item.counts)})"] if item.counts else []
+    given = ["n"]
+    for a in item.given:
+        if a.name not in named:
+            continue
+        kind = BUFFER.get(a.kind, "buffer_t")
+        where = "on_device" if "(" in a.end.split("!")[0] else "one_on_device"
+        given.append(f"{kind}({where}({a.name}))" if a.in_memory else a.name)
+    if exact:
+        given.append("exact")
+        declared += ["type(gpu_exact_t), pointer :: exact"]
+    elif item.sums:
+        given.append("sums")
+    if item.counts:
+        given.append("begin_counts(err)")
+    body = ["if (.not. on_gpu) then"]
+    body += ["    " + x for x in fold(f"call each_{item.name}({', '.join(names)})")]
+    body += ["    return", "end if"]
+    body += ["exact => exact_for(ranks, err)"] if exact else []
+    body += fold(f"call {stem}_kernels%{item.name}({', '.join([*given, 'err'])})")
+    body += [f"{exact[0].name} = exact%total(:{len(item.sums)})"] if exact else []
+    body += ["call read_counts(counted, err)"] if item.counts else []
+    body += [f"{x} = {x} + counted({k})" for k, x in enumerate(item.counts, 1)]
+    if item.sums and not exact:
+        names.append("sums")
+    return procedure(
+        item.doc, f"subroutine for_each_{item.name}", ["on_gpu", *names, "err"], declared, body
+    )
+
+
 def fixed(item):
     """The layouts that an item is given, and a copy of each whose numbers the compiler knows."""
     return {a.name: f"own_{a.name}" for a in item.rest if a.kind == "type(link_layout_t)"}
@@ -152,7 +197,9 @@ def main():
     write(folder / f"{stem}_launches.f90", source, known, kind, made)
     known |= {x.name: f"brz_{source.stem}" for x in items}
     every = [exact_loop(x) if x.exact else loop(x) for x in items]
-    every = [at_line(one, n, source) for one, n in zip(every, lines, strict=True)]
+    every += [dispatch(stem, x) for x in items]
+    every = [at_line(one, n, source) for one, n in zip(every, [*lines, *lines], strict=True)]
+    known[f"{stem}_kernels"] = f"brz_{stem}_launches"
     write(folder / f"{stem}_loops.f90", source, known, [], every)
     write(folder / f"{stem}_kernels.CUF", source, known, [], [kernel(x) for x in items])
 

@@ -32,7 +32,7 @@ TAGS = re.compile(r"!@gpu ((?:book|count)_.*)")
 KNOWN = {"gpu_solid_t": "brz_gpu_solid_state"}
 KNOWN |= dict.fromkeys(["gpu_places_t", "gpu_marks_t"], "brz_gpu_places")
 KNOWN |= {"clear_buffer": "brz_device"}
-KNOWN |= dict.fromkeys(["gpu_air_t", "mark_near_walls"], "brz_gpu_air_state")
+KNOWN |= {"air_device_t": "brz_air_device", "mark_near_walls": "brz_gpu_air_state"}
 KNOWN |= {"take_found": "brz_gpu_air_operations"}
 KNOWN |= {"from": "brz_buffers", "error_t": "brz_errors", "several": "brz_ranks"}
 KNOWN |= dict.fromkeys(BUFFER.values(), "brz_buffers")
@@ -41,9 +41,11 @@ KNOWN |= dict.fromkeys(
 )
 CHANGES = [(r"\bmodule brz_(\w+)", r"module brz_gpu_\1"), (r", running_sum\b", "")]
 CHANGES += [
-    (r"use brz_(air|coupling)_state, only: (\w+_t)$", r"use brz_gpu_\1_state, only: gpu_\2")
+    (r"use brz_coupling_state, only: (\w+_t)$", r"use brz_gpu_coupling_state, only: gpu_\1"),
+    (r"use brz_air_state, only: air_t$", "use brz_air_device, only: air_device_t"),
 ]
-CHANGES += [(r"type\((air|coupling)_t\)", r"type(gpu_\1_t)")]
+CHANGES += [(r"type\(coupling_t\)", "type(gpu_coupling_t)")]
+CHANGES += [(r"type\(air_t\)", "type(air_device_t)")]
 CHANGES += [(r"use brz_(lists|parcels|\w+_steps)\b", r"use brz_gpu_\1")]
 CHANGES += [("type.solid_t.", "type(seen_t)"), ("type.marks_t.", "type(gpu_marks_t)")]
 CHANGES += [("type.parcels_t.", "type(gpu_places_t)"), (r"\brows_t\b", "gpu_rows_t")]

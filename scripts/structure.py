@@ -24,7 +24,15 @@ import sys
 from itertools import chain
 from pathlib import Path
 
-LAYERS = [{"base"}, {"parallel"}, {"deck"}, {"materials"}, {"air", "solid"}, {"coupling"}]
+LAYERS = [
+    {"base"},
+    {"parallel"},
+    {"device"},
+    {"deck"},
+    {"materials"},
+    {"air", "solid"},
+    {"coupling"},
+]
 LAYERS += [{"cpu", "gpu"}, {"output"}, {"step"}, {"main"}]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 MAX_FILE, MAX_PROCEDURE, MAX_ARGUMENTS = 600, 80, 12

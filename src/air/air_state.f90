@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The state of the air: conserved variables on a Cartesian grid, and the walls inside it.
 module brz_air_state
+    use brz_air_device, only: air_device_t
     use brz_air_boundary, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall
     use brz_air_grid, only: brick, grid_t
     use brz_air_part, only: air_part_t
@@ -67,6 +68,8 @@ module brz_air_state
         !! (lines, n_var, low/high) gas beyond open boundaries, see grid_t: that of the cells next
         !! to them before anything happened
         type(inflow_t), allocatable :: inflow(:) !! gas outside that changes; none if not allocated
+        logical :: on_gpu = .false. !! it is computed there; the arrays below are fetched
+        type(air_device_t), pointer :: device => null() !! what it has there besides
         logical :: activity = .false. !! leave out what nothing has reached
         real(rk), allocatable :: u(:, :, :, :) !! conserved variables; in solid cells the ledger
         real(rk), allocatable :: u_start(:, :, :, :) !! u at the start of the step (ghosts unused)
@@ -99,6 +102,8 @@ module brz_air_state
         integer(int8), allocatable :: bad(:, :, :) !! marks of a stage, see brz_fallback_items
         integer :: found(1) = 0 !! 1: a cell has been marked
         type(grid_t), allocatable :: grid !! as set_grid has it, in steps
+        logical :: swept = .false. !! a step has been made: a first one on a GPU is computed
+                                   !! everywhere, so that all states and fluxes hold gas at rest
     end type air_t
 
     !> Faces of one direction whose four cells hold both gas and solid, block of lines by block.

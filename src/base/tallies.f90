@@ -5,9 +5,10 @@ module brz_tallies
     use brz_kinds, only: dp
     implicit none
     private
-    public :: tally_threads, tally_exactly
+    public :: pick_chunk, tally_threads, tally_exactly
 
     integer, parameter :: tally_threads = 4096
+    integer, parameter :: pick_chunk = 32 !! marks that a thread looks at
 
 contains
 

@@ -3,6 +3,7 @@
 !>
 !> Each stage reads one state and writes another, so that a cell can be computed again.
 module brz_gpu_air_operations
+    use brz_air_device, only: air_device_t
     use brz_air_grid, only: faces_of_a_thread, lines_along, stage_t
     use brz_air_launches, only: air_kernels, launch_faces, launch_march, launch_redo
     use brz_air_lost, only: find_lost
@@ -11,7 +12,7 @@ module brz_gpu_air_operations
     use brz_device, only: clear_buffer, copy_out, kernel_t
     use brz_errors, only: error_t, failed
     use brz_fallback_items, only: to_redo
-    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
+    use brz_gpu_air_state, only: bytes_of_real
     use brz_kinds, only: dp, int64, int8, rk
     use brz_ranks, only: agree
     implicit none
@@ -23,7 +24,7 @@ contains
 
     !> Impulses for a step.
     subroutine get_ready(gpu, err)
-        type(gpu_air_t), intent(inout) :: gpu
+        type(air_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err !! exit_device where the GPU fails
 
         gpu%fetched = .false.
@@ -34,7 +35,7 @@ contains
     !> Rates of all directions; the last one completes the next state and marks its bad cells. Cells
     !> near walls are computed again.
     subroutine sweep_all(gpu, air, stage, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(air_device_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
         type(stage_t), intent(in) :: stage
         type(error_t), intent(inout) :: err
@@ -62,7 +63,7 @@ contains
 
     !> Others get ghosts of the next state, before all of them vote on it: see take_ghosts.
     subroutine offer_ghosts(gpu, err)
-        type(gpu_air_t), intent(inout) :: gpu
+        type(air_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
 
         call gpu%halo%offer_reals(gpu%grid%apart, gpu%new, err)
@@ -71,7 +72,7 @@ contains
 
     !> Ghosts of the boxes of others.
     subroutine take_ghosts(gpu, err)
-        type(gpu_air_t), intent(inout) :: gpu
+        type(air_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
 
         if (gpu%offered) then
@@ -84,7 +85,7 @@ contains
 
     !> Compute marked cells and their neighbours again.
     subroutine redo(gpu, air, stage, pass, task, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(air_device_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: pass !! marks up to this one count
@@ -96,7 +97,7 @@ contains
 
     !> Compute the listed cells again, those near walls, or without a list marked ones.
     subroutine redo_cells(gpu, air, stage, listed, pass, task, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(air_device_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: listed !! how many, or 0
@@ -116,7 +117,7 @@ contains
     !> Has a kernel found a bad cell since the last call, in any process? An error of one is then
     !> that of all.
     subroutine find_bad(gpu, air, found, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(air_device_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
         logical, intent(out) :: found
         type(error_t), intent(inout) :: err
@@ -131,7 +132,7 @@ contains
 
     !> What kernels have found since the last call.
     subroutine take_found(gpu, number, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(air_device_t), intent(in) :: gpu
         integer, intent(out) :: number
         type(error_t), intent(inout) :: err
         integer :: found(1)
@@ -145,7 +146,7 @@ contains
     !> Where the first lost cell of this process is, and what it would have become: the next state
     !> holds the Euler step of lost cells.
     subroutine find_lost_cell(gpu, air, here, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(air_device_t), intent(in) :: gpu
         type(air_t), intent(inout) :: air
         logical, intent(out) :: here !! there is one
         type(error_t), intent(inout) :: err

@@ -5,98 +5,50 @@
 !> before a dump or a checkpoint, and `fetch_cells` at the places of gauges.
 module brz_gpu_air_state
     use brz_air_boundary, only: beyond_wall
+    use brz_air_device, only: air_device_t
     use brz_air_grid, only: column, grid_of, grid_t, place_of
     use brz_air_outside, only: keep_outside
     use brz_air_setup, only: reconstruction_names
     use brz_air_state, only: air_t, bc_periodic, set_scale, wall_t
     use brz_boxes, only: cells_t
-    use brz_buffers, only: buffer_t, bytes_t, doubles_t, integers_t, reals_t
+    use brz_buffers, only: reals_t
     use brz_cell_items, only: cells_of_a_chunk
     use brz_cell_launches, only: cell_kernels
     use brz_device, only: allocate_buffer, clear_buffer, copy_out, &
-        device_t, find_kernel, free_buffer, kernel_t, put_buffer, reserve_buffer
+        device_t, find_kernel, put_buffer, reserve_buffer
     use brz_place_launches, only: place_kernels
     use brz_face_launches, only: face_kernels
     use brz_air_launches, only: air_kernels
     use brz_errors, only: error_t, exit_device, failed, raise
-    use brz_gpu_common, only: gpu_common_t
-    use brz_gpu_fetch, only: gpu_fetch_t
     use brz_kinds, only: dp, int64, int8, rk
     use brz_ranks, only: several
-    use brz_scheme, only: hllc, max_var, scheme_t
+    use brz_present_table, only: attach, attach_bytes
+    use brz_scheme, only: hllc, max_var
     use brz_snapshots, only: snapshot_t
-    use brz_total_state, only: running_total_t
     use brz_text, only: to_text
     implicit none
     private
-    public :: gpu_air_t, gpu_walls_t, gpu_bricks_t, open_gpu_air
+    public :: open_gpu_air, go_on
     public :: mark_near_walls, fetch_air, note_air, fetch_cells, fetch_walls, bytes_of_real
 
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
 
-    !> The cells that hold solid, as wall_t has them; without walls the buffers hold nothing.
-    type :: gpu_walls_t
-        integer :: n_cells = 0, n_faces = 0
-        type(bytes_t) :: solid, near !! see air_near
-        type(integers_t) :: index !! place of each cell in the list of solid cells
-        type(reals_t) :: v !! (3, n_cells) velocity of the walls
-        type(integers_t) :: face_of !! (6, n_cells) wall face on each side
-        type(integers_t) :: face_cell !! (n_faces) place of the solid cell in the list
-        type(reals_t) :: push, impulse !! (n_faces) impulse of a stage, of the step
-    end type gpu_walls_t
-
-    !> Which bricks of the air something has reached, and which are computed, as air_t has them.
-    type :: gpu_bricks_t
-        logical :: swept = .false. !! every brick has been computed once
-        type(bytes_t) :: reached, awake !! one byte for each brick
-        ! on several processes, with the bricks of others that are near
-        type(bytes_t) :: near_reached, near_awake
-        type(buffer_t) :: own !! (bricks) place of each of this process there
-        type(gpu_fetch_t) :: others
-    end type gpu_bricks_t
-
-    type :: gpu_air_t
-        type(grid_t) :: grid
-        logical :: fetched = .true. !! the host arrays hold the state of the GPU
-        type(scheme_t) :: scheme
-        real(rk) :: rho_rest = 0, p_rest = 0 !! as in air_t
-        type(reals_t) :: u !! conserved variables, as in air_t; in a step those of a stage
-        type(reals_t) :: start !! the same at the start of the step, in one of the others
-        type(reals_t) :: new, spare !! the next state; room for another
-        type(reals_t) :: flux !! through the faces of direction x above each cell
-        type(bytes_t) :: bad !! one byte for each cell, see mark_cell
-        type(integers_t) :: found !! 1: a kernel has found a bad cell; a count
-        type(reals_t) :: outside !! (lines, n_var, 2) gas beyond open boundaries
-        type(reals_t) :: edge !! (lines, n_var, 2) fluxes through the outer faces
-        type(doubles_t) :: leaving !! (faces of bricks, n_var, 2) what left since the start
-        type(doubles_t) :: part !! a number for each column along z; sums of bricks
-        type(kernel_t) :: faces, march, last, redo !! of the scheme
-        type(gpu_fetch_t) :: halo, beside !! as in air_part_t: states, marks of bad cells
-        logical :: offers = .false. !! others get ghosts as soon as a stage has its state
-        logical :: offered = .false. !! they have written theirs, and all have met since
-        type(gpu_common_t) :: common
-        type(gpu_walls_t) :: walls
-        integer :: n_near = 0 !! cells near walls, and solid ones
-        type(integers_t) :: near_at, near_before !! their places; how many are before each chunk
-        type(gpu_bricks_t) :: bricks
-        type(running_total_t) :: left_before(6) !! what had left when the GPU took over
-    contains
-        procedure :: go_on
-    end type gpu_air_t
-
 contains
 
-    !> Reserve memory on the GPU and copy the air there.
-    subroutine open_gpu_air(device, air, walls, gpu, err)
+    !> Reserve memory on the GPU and copy the air there: it is computed there from now on.
+    subroutine open_gpu_air(device, air, walls, err)
         type(device_t), intent(in) :: device
         type(air_t), intent(inout) :: air
         logical, intent(in) :: walls !! there will be, see put_walls
-        type(gpu_air_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
+        type(air_device_t), pointer :: gpu
         integer(int64) :: cells, field, ends
         character(:), allocatable :: scheme !! its name among the kernels
         logical :: held
 
+        allocate (gpu)
+        air%device => gpu
+        air%on_gpu = .true.
         gpu%grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
         held = walls .or. has_wall_ends(air)
         gpu%grid%walls = merge(1, 0, held)
@@ -134,22 +86,50 @@ contains
         call put_buffer(air%u, gpu%u, field, err)
         call put_buffer(air%u, gpu%new, field, err)
         call put_buffer(air%u, gpu%spare, field, err)
+        air%grid = gpu%grid
+        call attach_air(air)
         if (.not. held) return
         call clear_buffer(gpu%walls%solid, err)
         call mark_near_walls(gpu, err)
     end subroutine open_gpu_air
 
+    !> Where the copies of the arrays of air_t lie.
+    subroutine attach_air(air)
+        type(air_t), intent(inout) :: air
+
+        if (.not. allocated(air%edge)) allocate (air%edge, mold=air%outside)
+        if (.not. allocated(air%bad)) allocate (air%bad, mold=reshape([0_int8], [1, 1, 1]))
+        associate (gpu => air%device)
+            call attach(air%u, gpu%u)
+            call attach(air%outside, gpu%outside)
+            call attach(air%edge, gpu%edge)
+            call attach(air%leaving, gpu%leaving)
+            call attach(air%bad, gpu%bad)
+            call attach(air%reached, gpu%bricks%reached)
+            call attach(air%awake, gpu%bricks%awake)
+            call attach(air%brick_sum, gpu%part)
+            if (.not. several(air%part%ranks)) return
+            call attach(air%part%reached, gpu%bricks%near_reached)
+            call attach(air%part%awake, gpu%bricks%near_awake)
+            call attach_bytes(air%part%own, 8*size(air%part%own, kind=int64), gpu%bricks%own)
+        end associate
+    end subroutine attach_air
+
     !> After a stage: the next state is that which the next stage starts from.
-    pure subroutine go_on(self)
-        class(gpu_air_t), intent(inout) :: self
+    subroutine go_on(air)
+        type(air_t), intent(in) :: air
         type(reals_t) :: before
 
-        before = self%u
-        self%u = self%new
-        self%new = before
-        if (before%address /= self%start%address) return
-        self%new = self%spare
-        self%spare = before
+        associate (gpu => air%device)
+            before = gpu%u
+            gpu%u = gpu%new
+            gpu%new = before
+            if (before%address == gpu%start%address) then
+                gpu%new = gpu%spare
+                gpu%spare = before
+            end if
+            call attach(air%u, gpu%u)
+        end associate
     end subroutine go_on
 
     !> Cells of the whole grid that the arrays of this process hold.
@@ -174,7 +154,7 @@ contains
 
     !> Mark and list the cells beside walls, once the map of solid cells is there.
     subroutine mark_near_walls(gpu, err)
-        type(gpu_air_t), intent(inout) :: gpu
+        type(air_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer :: cells, chunks
 
@@ -193,7 +173,7 @@ contains
     !> All bricks are awake at first.
     subroutine open_bricks(air, gpu, err)
         type(air_t), intent(in) :: air
-        type(gpu_air_t), intent(inout) :: gpu
+        type(air_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer(int8) :: awake(size(air%reached))
 
@@ -223,7 +203,7 @@ contains
 
     !> Refresh the host's conserved variables and what it knows of bricks, if the GPU has moved on.
     subroutine fetch_air(gpu, air, err)
-        type(gpu_air_t), intent(inout) :: gpu
+        type(air_device_t), intent(inout) :: gpu
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
 
@@ -235,7 +215,7 @@ contains
 
     !> What fetch_air reads.
     subroutine note_air(gpu, snapshot)
-        type(gpu_air_t), intent(in) :: gpu
+        type(air_device_t), intent(in) :: gpu
         type(snapshot_t), intent(inout) :: snapshot
 
         call snapshot%note([gpu%u%buffer_t, gpu%bricks%reached%buffer_t])
@@ -243,7 +223,7 @@ contains
 
     !> Refresh the host's conserved variables in a list of cells, of which those of others are left.
     subroutine fetch_cells(gpu, cell, air, err)
-        type(gpu_air_t), intent(inout) :: gpu
+        type(air_device_t), intent(inout) :: gpu
         integer, intent(in) :: cell(:, :) !! (3, n) indices in the box of this process
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
@@ -271,7 +251,7 @@ contains
 
     !> Refresh the host's map of solid cells in some places, and keep the velocities of these.
     subroutine fetch_walls(gpu, cell, wall, err)
-        type(gpu_air_t), intent(inout) :: gpu
+        type(air_device_t), intent(inout) :: gpu
         integer, intent(in) :: cell(:, :) !! (3, n) indices, ghosts among them
         type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err

@@ -2,6 +2,7 @@
 !> Numbers about all of the air on the GPU, of all processes: time step, totals, outflow. Sums of
 !> bricks, and of faces of bricks, are added exactly: the same bits on any number of processes.
 module brz_gpu_air_sums
+    use brz_air_device, only: air_device_t
     use brz_air_state, only: air_t
     use brz_air_totals, only: book_outflow
     use brz_device, only: copy_out
@@ -10,7 +11,6 @@ module brz_gpu_air_sums
     use brz_air_launches, only: air_kernels
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
-    use brz_gpu_air_state, only: gpu_air_t
     use brz_kinds, only: dp, int64
     use brz_ranks, only: agree
     implicit none
@@ -21,7 +21,7 @@ contains
 
     !> Largest stable time step [s], as air_time_step has it.
     real(dp) function gpu_air_time_step(gpu, air, cfl, err, fastest) result(dt)
-        type(gpu_air_t), intent(in) :: gpu
+        type(air_device_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
         real(dp), intent(in) :: cfl !! Courant number [-]
         type(error_t), intent(inout) :: err
@@ -40,7 +40,7 @@ contains
 
     !> Mass, momentum, energy, mass of products and kinetic energy of the gas [SI].
     subroutine gpu_air_totals(gpu, air, totals, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(air_device_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
         real(dp), intent(out) :: totals(0:6) !! 0: kinetic energy
         type(error_t), intent(inout) :: err
@@ -58,7 +58,7 @@ contains
     !> What left through the boundary of this process since the start of the run, into air%left and
     !> air%outflow.
     subroutine gpu_outflow(gpu, air, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(air_device_t), intent(in) :: gpu
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
 

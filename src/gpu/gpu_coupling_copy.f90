@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> The coupling on its way to the GPU and back, and numbers about all of it.
 module brz_gpu_coupling_copy
+    use brz_air_device, only: air_device_t
     use brz_air_state, only: air_t
     use brz_air_walls, only: build_walls
     use brz_coupling_state, only: coupling_t, n_sums, put_sums, sums_in
     use brz_debt_steps, only: enter_host_debts => enter_debts
     use brz_device, only: clear_buffer, copy_in, copy_out
     use brz_errors, only: error_t, failed
-    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
+    use brz_gpu_air_state, only: bytes_of_real
     use brz_gpu_coupling_guests, only: open_gpu_windows
     use brz_gpu_coupling_state, only: book_high, book_low, book_threads, gpu_coupling_t, n_book, &
         open_memory, seen_t
@@ -34,7 +35,7 @@ contains
         type(solid_t), intent(in) :: solid !! its bodies
         type(coupling_t), intent(inout) :: coupling !! its guests are those on the GPU
         type(seen_t), intent(in) :: particles
-        type(gpu_air_t), intent(inout) :: there !! opened with walls
+        type(air_device_t), intent(inout) :: there !! opened with walls
         type(gpu_coupling_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
         type(seen_t) :: p
@@ -107,7 +108,7 @@ contains
     !> of the coupling (face_of, bins, columns) is not touched: the CPU alone uses it.
     subroutine fetch_coupling(gpu, there, air, coupling, err)
         type(gpu_coupling_t), intent(inout) :: gpu
-        type(gpu_air_t), intent(in) :: there
+        type(air_device_t), intent(in) :: there
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
@@ -130,7 +131,7 @@ contains
     !> What fetch_coupling reads.
     subroutine note_coupling(gpu, there, snapshot)
         type(gpu_coupling_t), intent(in) :: gpu
-        type(gpu_air_t), intent(in) :: there
+        type(air_device_t), intent(in) :: there
         type(snapshot_t), intent(inout) :: snapshot
 
         call snapshot%note([there%walls%solid%buffer_t, there%walls%v%buffer_t, &
@@ -154,7 +155,7 @@ contains
     !> Largest sum_d |v_d|/dx_d of the walls [1/s].
     real(dp) function gpu_fastest_wall(gpu, there, err) result(fastest)
         type(gpu_coupling_t), intent(in) :: gpu
-        type(gpu_air_t), intent(in) :: there
+        type(air_device_t), intent(in) :: there
         type(error_t), intent(inout) :: err
         real(dp) :: part(book_threads)
 

@@ -13,7 +13,8 @@ module brz_gpu_coupling_state
     use brz_device, only: allocate_buffer, copy_in, copy_out, put_buffer
     use brz_errors, only: error_t
     use brz_gpu_exact_sum, only: gpu_exact_t
-    use brz_gpu_air_state, only: bytes_of_real, gpu_walls_t
+    use brz_air_device, only: wall_device_t
+    use brz_gpu_air_state, only: bytes_of_real
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_fetch, only: gpu_fetch_t
     use brz_gpu_parcels, only: gpu_parcels_t
@@ -79,7 +80,7 @@ module brz_gpu_coupling_state
 
     !> Names are those of coupling_t where there is such an array.
     type, extends(coupling_known_t) :: gpu_coupling_t
-        type(gpu_walls_t) :: wall !! those of the air, as they were put up last
+        type(wall_device_t) :: wall !! those of the air, as they were put up last
         logical :: walls_fetched = .false. !! no cell has changed hands since the last fetch
         type(buffer_t) :: shells !! shells_t
         type(bytes_t) :: mark !! (cells) what the particles make of a cell

@@ -34,7 +34,7 @@ module brz_gpu_solid_layout
               book_rub, book_load, n_book
     public :: at_heat, at_friction, at_drag, at_stiff, at_work, n_terms
     public :: pass_drawn, pass_deviation, pass_trace
-    public :: flag_bad, flag_drawn, n_flag, slice_width, mask_unit, pick_chunk
+    public :: flag_bad, flag_drawn, n_flag, slice_width, mask_unit
 
     ! columns of `book`, since the GPU took over [J, N s]; the place of a particle, not the
     ! particle, keeps them
@@ -64,7 +64,6 @@ module brz_gpu_solid_layout
     ! Lists: entry k of particle t of a body, both from 1, is entry
     ! (slice((t - 1)/w + 1) + k - 1)*w + mod(t - 1, w) + 1, w = slice_width: threads side by side
     ! read side by side. An entry is the neighbour plus mask_unit times its mirrored axes.
-    integer, parameter :: pick_chunk = 32 !! marks that a thread looks at
 
     !> One body, as kernels see it.
     type, extends(body_numbers_t) :: body_gpu_t

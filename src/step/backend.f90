@@ -5,7 +5,6 @@ module brz_backend
     use brz_device, only: device_t, load_kernels, open_device
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_files, only: program_path
-    use brz_gpu_air_state, only: gpu_air_t
     use brz_buffers, only: buffer_t, doubles_t, integers_t, reals_t
     use brz_gpu_coupling_state, only: gpu_coupling_t, range_t, seen_t
     use brz_gpu_solid_bodies, only: cannot_run_solid
@@ -23,7 +22,6 @@ module brz_backend
         logical :: bodies_on_gpu = .false.
         logical :: coupling_on_gpu = .false. !! both are there
         type(device_t) :: device
-        type(gpu_air_t) :: air
         type(gpu_solid_t) :: solid
         type(gpu_coupling_t) :: coupling
     end type backend_t

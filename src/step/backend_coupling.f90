@@ -31,7 +31,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (backend%coupling_on_gpu) then
-            call gpu_set_wall_velocity(backend%air, solid, particles_of(backend%solid), &
+            call gpu_set_wall_velocity(air%device, solid, particles_of(backend%solid), &
                                        backend%coupling, dt, err)
             coupling%coupling_known_t = backend%coupling%coupling_known_t
             call wait_for_device(err)
@@ -75,7 +75,7 @@ contains
         if (failed(err)) return
         if (backend%coupling_on_gpu) then
             p = particles_of(backend%solid)
-            call gpu_reclassify(backend%air, solid, p, backend%coupling, err)
+            call gpu_reclassify(air%device, solid, p, backend%coupling, err)
             coupling%coupling_known_t = backend%coupling%coupling_known_t
             call wait_for_device(err)
         else

@@ -45,13 +45,13 @@ contains
         real(dp) :: debt(5), totals(0:6), more
 
         if (backend%on_gpu) then
-            call gpu_air_totals(backend%air, air, totals, err)
-            call gpu_outflow(backend%air, air, err)
+            call gpu_air_totals(air%device, air, totals, err)
+            call gpu_outflow(air%device, air, err)
             gas = totals(1:5)
             kept = 0
             more = 0
             if (backend%coupling_on_gpu) then
-                call gpu_ledger_totals(backend%air, backend%coupling, kept, more, err)
+                call gpu_ledger_totals(air%device, backend%coupling, kept, more, err)
                 call fetch_books(backend%coupling, coupling, err)
             end if
             kinetic = totals(0)
@@ -120,7 +120,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (failed(err)) return
-        if (backend%on_gpu) call gpu_outflow(backend%air, air, err)
+        if (backend%on_gpu) call gpu_outflow(air%device, air, err)
         if (backend%bodies_on_gpu) call fetch_ledgers(backend%solid, solid, err)
     end subroutine fetch_sums
 
@@ -144,7 +144,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (failed(err) .or. .not. backend%coupling_on_gpu) return
-        call fetch_coupling(backend%coupling, backend%air, air, coupling, err)
+        call fetch_coupling(backend%coupling, air%device, air, coupling, err)
     end subroutine fetch_debts
 
     !> Bring the state to the host, for a dump or a checkpoint, with fetch_sums before. It is read
@@ -157,20 +157,21 @@ contains
         type(error_t), intent(inout) :: err
 
         if (failed(err)) return
-        if (backend%on_gpu) call fetch_air(backend%air, air, err)
+        if (backend%on_gpu) call fetch_air(air%device, air, err)
         if (backend%bodies_on_gpu) call fetch_solid(backend%solid, solid, err)
         if (backend%coupling_on_gpu) &
-            call fetch_coupling(backend%coupling, backend%air, air, coupling, err)
+            call fetch_coupling(backend%coupling, air%device, air, coupling, err)
     end subroutine fetch_state
 
     !> Put by what fetch_state reads; whether that was done tells snapshot%room.
-    subroutine take_snapshot(backend, snapshot)
+    subroutine take_snapshot(backend, air, snapshot)
         type(backend_t), intent(in) :: backend
+        type(air_t), intent(in) :: air
         type(snapshot_t), intent(out) :: snapshot
 
-        if (backend%on_gpu) call note_air(backend%air, snapshot)
+        if (backend%on_gpu) call note_air(air%device, snapshot)
         if (backend%bodies_on_gpu) call note_solid(backend%solid, snapshot)
-        if (backend%coupling_on_gpu) call note_coupling(backend%coupling, backend%air, snapshot)
+        if (backend%coupling_on_gpu) call note_coupling(backend%coupling, air%device, snapshot)
         call snapshot%take()
     end subroutine take_snapshot
 
@@ -229,15 +230,15 @@ contains
                 call add_block(air, around(:, 0, g) - 1, around(:, 7, g) + 1, cells)
             end do
             known = size(cells, 2)
-            call fetch_walls(backend%air, cells, wall, err)
+            call fetch_walls(air%device, cells, wall, err)
             do g = 1, n
                 if (sees_gas(air, wall, points(:, of(g)))) cycle
                 call add_block(air, around(:, 0, g) - probe_reach - 1, &
                                around(:, 7, g) + probe_reach + 1, cells)
             end do
-            if (size(cells, 2) > known) call fetch_walls(backend%air, cells, wall, err)
+            if (size(cells, 2) > known) call fetch_walls(air%device, cells, wall, err)
         end if
-        call fetch_cells(backend%air, cells, air, err)
+        call fetch_cells(air%device, cells, air, err)
     end subroutine fetch_from_gpu
 
     !> Add the cells low..high, as far as the arrays have them, to a list.

@@ -3,7 +3,6 @@
 module brz_backend_step
     use brz_air_outside, only: limit_of_inflow
     use brz_air_state, only: air_t, wall_t
-    use brz_air_steps, only: air_step
     use brz_air_sums, only: air_time_step
     use brz_backend, only: backend_t, particles_of
     use brz_between_steps, only: book_between
@@ -12,23 +11,20 @@ module brz_backend_step
     use brz_errors, only: error_t, failed
     use brz_force_steps, only: book_impulse
     use brz_gpu_air_state, only: open_gpu_air
-    use brz_gpu_air_steps, only: gpu_air_step => air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_gpu_coupling_copy, only: gpu_fastest_wall, open_gpu_coupling
     use brz_gpu_between_steps, only: book_gpu_between => book_between
     use brz_gpu_solid_copy, only: open_gpu_solid
     use brz_gpu_force_steps, only: book_gpu_impulse => book_impulse
-    use brz_gpu_inflow_steps, only: gpu_let_in => let_in
     use brz_gpu_load_steps, only: gpu_load_faces => load_faces
     use brz_gpu_solid_steps, only: gpu_solid_step => solid_step
-    use brz_inflow_steps, only: let_in
     use brz_kinds, only: dp
     use brz_load_steps, only: load_faces
     use brz_solid_state, only: solid_t
     use brz_solid_steps, only: solid_step
     implicit none
     private
-    public :: start_backend, let_gas_in, advance_air, limit_of_air, advance_solid
+    public :: start_backend, limit_of_air, advance_solid
 
 contains
 
@@ -42,44 +38,14 @@ contains
 
         if (failed(err)) return
         if (backend%on_gpu) &
-            call open_gpu_air(backend%device, air, coupling%present, backend%air, err)
+            call open_gpu_air(backend%device, air, coupling%present, err)
         if (backend%on_gpu .and. backend%bodies_on_gpu) call measure_memory(backend%device, err)
         if (backend%bodies_on_gpu) &
             call open_gpu_solid(backend%device, solid, coupling%present, backend%solid, err)
         if (.not. backend%coupling_on_gpu) return
         call open_gpu_coupling(air, solid, coupling, particles_of(backend%solid), &
-                               backend%air, backend%coupling, err)
+                               air%device, backend%coupling, err)
     end subroutine start_backend
-
-    !> The gas outside open faces in a step, where it is a history.
-    subroutine let_gas_in(backend, air, from, dt, err)
-        type(backend_t), intent(inout) :: backend
-        type(air_t), intent(inout) :: air
-        real(dp), intent(in) :: from, dt !! start of the step, its length [s]
-        type(error_t), intent(inout) :: err
-
-        if (backend%on_gpu) then
-            call gpu_let_in(backend%air, air, from, dt, err)
-        else
-            call let_in(air, from, dt)
-        end if
-    end subroutine let_gas_in
-
-    !> One step of the air. `status` as air_step has it.
-    subroutine advance_air(backend, air, wall, dt, status, err)
-        type(backend_t), intent(inout) :: backend
-        type(air_t), intent(inout) :: air
-        type(wall_t), intent(inout) :: wall
-        real(dp), intent(in) :: dt !! [s]
-        integer, intent(out) :: status
-        type(error_t), intent(inout) :: err
-
-        if (backend%on_gpu) then
-            call gpu_air_step(backend%air, air, dt, status, err)
-        else
-            call air_step(air, wall, dt, status)
-        end if
-    end subroutine advance_air
 
     !> Largest stable time step of the air [s].
     real(dp) function limit_of_air(backend, air, wall, cfl, time, err) result(dt)
@@ -94,8 +60,8 @@ contains
         if (backend%on_gpu) then
             fastest = 0
             if (backend%coupling_on_gpu) &
-                fastest = gpu_fastest_wall(backend%coupling, backend%air, err)
-            dt = gpu_air_time_step(backend%air, air, cfl, err, fastest)
+                fastest = gpu_fastest_wall(backend%coupling, air%device, err)
+            dt = gpu_air_time_step(air%device, air, cfl, err, fastest)
         else
             dt = air_time_step(air, wall, cfl)
         end if

@@ -11,6 +11,7 @@ module brz_paper_step
     use brz_coupling_steps, only: move_walls
     use brz_event_steps, only: look_at_particles, put_up_walls
     use brz_exchange_steps, only: load_carriers
+    use brz_errors, only: error_t
     use brz_kinds, only: dp
     use brz_runge_kutta, only: share_of
     use brz_solid_state, only: solid_t
@@ -22,24 +23,25 @@ contains
 
     !> One step of the air with the bodies in it; their particles get its mean force (Eq. 28, 29:
     !> the weights of the stages, even shares for the particles of a cell).
-    subroutine paper_step(air, solid, coupling, dt, status)
+    subroutine paper_step(air, solid, coupling, dt, status, err)
         type(air_t), intent(inout) :: air
         type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: dt !! [s]
         integer, intent(out) :: status !! as air_step has it
+        type(error_t), intent(inout) :: err
         type(wall_t) :: none
         type(stage_t) :: stage
         integer :: m
 
         call move_walls(solid, solid, coupling)
         call fill_solid_cells(air, coupling)
-        call begin_step(air, none)
+        call begin_step(air, none, err)
         solid%load(:, :solid%n) = 0
         do m = 1, air%n_stages
             if (m > 1) call fill_solid_cells(air, coupling)
             stage = stage_of(air, dt, m)
-            call take_rates(air, none, stage, status)
+            call take_rates(air, none, stage, m == air%n_stages, status, err)
             if (status /= air_ok) return
             call add_forces(air, solid, coupling, share_of(m, air%n_stages), dt)
             call update(air, stage%dt, stage%weight, m == 1)

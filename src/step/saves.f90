@@ -143,7 +143,7 @@ contains
             saves%together%by_files = writer%apart
             call forget_parcel(sim%ranks, path_of(saves, writer))
         end if
-        if (writer%apart .and. .not. failed(err)) call take_snapshot(sim%backend, snapshot)
+        if (writer%apart .and. .not. failed(err)) call take_snapshot(sim%backend, sim%air, snapshot)
         if (snapshot%room == 0) &
             call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
         call agree(sim%ranks, err)

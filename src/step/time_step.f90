@@ -4,7 +4,9 @@ module brz_time_step
     use brz_air_setup, only: time_step_ramp
     use brz_air_state, only: air_ok
     use brz_backend_coupling, only: exchange_gas, load_bodies, set_walls
-    use brz_backend_step, only: advance_air, advance_solid, let_gas_in, limit_of_air
+    use brz_air_steps, only: air_step
+    use brz_backend_step, only: advance_solid, limit_of_air
+    use brz_inflow_steps, only: let_in
     use brz_paper_step, only: move_paper_walls, paper_step
     use brz_clock, only: next_due
     use brz_errors, only: error_t, exit_numerical, failed, raise
@@ -160,11 +162,11 @@ contains
         type(error_t), intent(inout) :: err
         integer :: status
 
-        call let_gas_in(sim%backend, sim%air, sim%clock%time, dt, err)
+        call let_in(sim%air, sim%clock%time, dt, err)
         if (sim%coupling%paper) then
-            call paper_step(sim%air, sim%solid, sim%coupling, dt, status)
+            call paper_step(sim%air, sim%solid, sim%coupling, dt, status, err)
         else
-            call advance_air(sim%backend, sim%air, sim%coupling%wall, dt, status, err)
+            call air_step(sim%air, sim%coupling%wall, dt, status, err)
         end if
         if (status /= air_ok) call report_lost_cell(sim, err)
         sim%progress%cell_steps = sim%progress%cell_steps + product(int(sim%air%whole, int64))

@@ -129,7 +129,7 @@ contains
         call system_clock(start, rate)
         core = -core_time()
         do s = 1, steps
-            call air_step(air, wall, air_time_step(air, wall, 0.3_dp), status)
+            call air_step(air, wall, air_time_step(air, wall, 0.3_dp), status, err)
             if (status /= 0) error stop 'air_step failed'
         end do
         core = core + core_time()

@@ -6,11 +6,11 @@
 program bench_gpu
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_air_setup, only: make_grid
-    use brz_air_state, only: air_t
+    use brz_air_state, only: air_t, wall_t
     use brz_device, only: device_t, free_all, wait_for_device
     use brz_errors, only: error_t, failed
-    use brz_gpu_air_state, only: gpu_air_t, open_gpu_air
-    use brz_gpu_air_steps, only: gpu_air_step => air_step
+    use brz_gpu_air_state, only: open_gpu_air
+    use brz_air_steps, only: air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_kinds, only: dp, rk
     use brz_scheme, only: hllc, muscl_cells, steger_warming, weno3_cells, weno5z_cells
@@ -55,7 +55,6 @@ contains
         real(dp), intent(in) :: share !! of each side of the box that is not at rest
         integer, parameter :: steps = 10
         type(air_t) :: air
-        type(gpu_air_t) :: gpu
         real(dp) :: dt, seconds
         integer :: h, m, status
 
@@ -64,16 +63,16 @@ contains
         h = int(share*n)
         air%u(1:h, 1:h, 1:h, 5) = 1.1_rk*air%u(1, 1, 1, 5)
         air%u(1:n/3, 1:n/3, 1:n/3, 5) = 100*air%u(1, 1, 1, 5)
-        call open_gpu_air(device, air, .false., gpu, err)
-        dt = gpu_air_time_step(gpu, air, 0.3_dp, err)
+        call open_gpu_air(device, air, .false., err)
+        dt = gpu_air_time_step(air%device, air, 0.3_dp, err)
         do m = 1, 2 ! the first is computed everywhere
-            call gpu_air_step(gpu, air, dt, status, err)
+            call air_step(air, wall, dt, status, err)
         end do
         call wait_for_device(err)
         call start_timer(err)
         do m = 1, steps
-            dt = gpu_air_time_step(gpu, air, 0.3_dp, err)
-            call gpu_air_step(gpu, air, dt, status, err)
+            dt = gpu_air_time_step(air%device, air, 0.3_dp, err)
+            call air_step(air, wall, dt, status, err)
         end do
         seconds = stop_timer(err)
         call free_all()

@@ -19,7 +19,7 @@ program bench_gpu_coupling
     use brz_gpu_exchange_steps, only: gpu_reclassify => reclassify, &
         gpu_set_wall_velocity => set_wall_velocity, gpu_spread_load => spread_load
     use brz_errors, only: error_t, failed
-    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, open_gpu_air
+    use brz_gpu_air_state, only: bytes_of_real, open_gpu_air
     use brz_gpu_coupling_copy, only: gpu_fastest_wall, open_gpu_coupling
     use brz_gpu_coupling_state, only: gpu_coupling_t, seen_t
     use brz_gpu_event_steps, only: fill_bins, look_at_particles
@@ -35,7 +35,6 @@ program bench_gpu_coupling
     type(air_t) :: air
     type(coupling_t) :: coupling
     type(solid_t) :: solid
-    type(gpu_air_t) :: there
     type(gpu_coupling_t) :: gpu
     type(seen_t) :: particles
     real(dp), allocatable :: place(:, :)
@@ -88,7 +87,7 @@ contains
                 end do
             end do
         end do
-        call open_gpu_air(device, air, .true., there, err)
+        call open_gpu_air(device, air, .true., err)
         particles%step_d = particles%n
         call at_least(particles%x, 4, particles%n, err)
         call at_least(particles%v, 4, particles%n, err)
@@ -101,7 +100,7 @@ contains
         call copy_in(ones, particles%mass, bytes_of_real*particles%n, err)
         call copy_in([(p, p=1, particles%n)], particles%id, 4_int64*particles%n, err)
         allocate (coupling%v_before(3, particles%n), source=0.0_rk)
-        call open_gpu_coupling(air, solid, coupling, particles, there, gpu, err)
+        call open_gpu_coupling(air, solid, coupling, particles, air%device, gpu, err)
     end subroutine set_up
 
     !> Ten steps, in which the middle of the plate goes down so much.
@@ -121,18 +120,18 @@ contains
                     - by*max(0.0_dp, 1 - 4*sum((place(1:2, p)/along - 2/3.0_dp)**2))
             end do
             call copy_in(place, particles%x, 32_int64*particles%n, err)
-            call clear_buffer(there%walls%impulse, err)
+            call clear_buffer(air%device%walls%impulse, err)
             call start_timer(err)
-            call gpu_set_wall_velocity(there, solid, particles, gpu, 1e-6_dp, err)
+            call gpu_set_wall_velocity(air%device, solid, particles, gpu, 1e-6_dp, err)
             ms(1) = ms(1) + 1e3_dp*stop_timer(err)/steps
             call start_timer(err)
             call gpu_spread_load(solid, particles, gpu, 1e-6_dp, err)
             ms(2) = ms(2) + 1e3_dp*stop_timer(err)/steps
             call start_timer(err)
-            call gpu_reclassify(there, solid, particles, gpu, err)
+            call gpu_reclassify(air%device, solid, particles, gpu, err)
             ms(3) = ms(3) + 1e3_dp*stop_timer(err)/steps
             call start_timer(err)
-            speed = gpu_fastest_wall(gpu, there, err)
+            speed = gpu_fastest_wall(gpu, air%device, err)
             ms(4) = ms(4) + 1e3_dp*stop_timer(err)/steps
             call start_timer(err)
             call look_at_particles(particles, gpu, moved, err)

@@ -8,7 +8,7 @@ module gpu_coupled_scene
     use brz_device, only: copy_in, device_t
     use brz_errors, only: error_t, failed
     use brz_gas, only: to_conserved
-    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, open_gpu_air
+    use brz_gpu_air_state, only: bytes_of_real, open_gpu_air
     use brz_gpu_air_sums, only: gpu_air_totals
     use brz_gpu_coupling_copy, only: open_gpu_coupling
     use brz_gpu_coupling_state, only: gpu_coupling_t, range_t, seen_t
@@ -28,7 +28,6 @@ module gpu_coupled_scene
         type(solid_t) :: solid
         type(coupling_t) :: coupling, far
         type(device_t) :: device
-        type(gpu_air_t) :: there
         type(gpu_coupling_t) :: gpu
         type(seen_t) :: particles
         type(error_t) :: err
@@ -52,7 +51,7 @@ contains
         call get_device(s%device, s%err)
         s%far = s%coupling
         s%other%u = s%air%u
-        call open_gpu_air(s%device, s%other, .true., s%there, s%err)
+        call open_gpu_air(s%device, s%other, .true., s%err)
         s%particles%n = count
         s%particles%step_d = count
         if (present(bodies)) s%particles%bodies = ranges_of(s%solid)
@@ -63,7 +62,7 @@ contains
         call at_least(s%particles%id, count, s%err)
         call at_least(s%particles%fixed, count, s%err)
         call put_particles(s)
-        call open_gpu_coupling(s%other, s%solid, s%far, s%particles, s%there, s%gpu, s%err)
+        call open_gpu_coupling(s%other, s%solid, s%far, s%particles, s%other%device, s%gpu, s%err)
         if (failed(s%err)) print *, s%err%text
     end subroutine start
 
@@ -246,8 +245,8 @@ contains
         real(dp), intent(out) :: all(5), kept(5), products
         real(dp) :: totals(0:6)
 
-        call gpu_air_totals(s%there, s%other, totals, s%err)
-        call gpu_ledger_totals(s%there, s%gpu, kept, products, s%err)
+        call gpu_air_totals(s%other%device, s%other, totals, s%err)
+        call gpu_ledger_totals(s%other%device, s%gpu, kept, products, s%err)
         all = totals(1:5) + kept
     end subroutine stock
 

@@ -2,10 +2,11 @@
 !> Walls inside the air on the GPU that a test moves on the host: maps, lists and velocities go
 !> there, impulses and the gas come back.
 module gpu_host_walls
+    use brz_air_device, only: air_device_t
     use brz_air_state, only: air_t, brick, wall_t
     use brz_device, only: copy_in, copy_out, reserve_buffer
     use brz_errors, only: error_t
-    use brz_gpu_air_state, only: bytes_of_real, fetch_air, gpu_air_t, mark_near_walls
+    use brz_gpu_air_state, only: bytes_of_real, fetch_air, mark_near_walls
     use brz_kinds, only: int64, int8
     implicit none
     private
@@ -15,7 +16,7 @@ contains
 
     !> Copy the walls to the GPU after they have changed.
     subroutine put_walls(gpu, wall, face_of, err)
-        type(gpu_air_t), intent(inout) :: gpu
+        type(air_device_t), intent(inout) :: gpu
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: face_of(:, :) !! (6, n_cells) wall face by side, or 0
         type(error_t), intent(inout) :: err
@@ -37,7 +38,7 @@ contains
 
     !> Bring the impulses of a step to the host, and the gas.
     subroutine fetch_walls(gpu, air, wall, err)
-        type(gpu_air_t), intent(inout) :: gpu
+        type(air_device_t), intent(inout) :: gpu
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
@@ -48,7 +49,7 @@ contains
 
     !> Copy the gas to the GPU, and wake the bricks of the cells that have been changed.
     subroutine return_cells(gpu, air, changed, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(air_device_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
         integer, intent(in) :: changed(:, :) !! (3, n)
         type(error_t), intent(inout) :: err

@@ -7,11 +7,11 @@ program study_gpu
     use, intrinsic :: iso_fortran_env, only: output_unit
     use air_problems, only: judge_sedov, scheme_name, air_result_t, set_up_sedov
     use brz_air_setup, only: time_step_ramp
-    use brz_air_state, only: air_ok, air_t
+    use brz_air_state, only: air_ok, air_t, wall_t
     use brz_device, only: device_t, free_all
     use brz_errors, only: error_t, failed
-    use brz_gpu_air_state, only: fetch_air, gpu_air_t, open_gpu_air
-    use brz_gpu_air_steps, only: gpu_air_step => air_step
+    use brz_gpu_air_state, only: fetch_air, open_gpu_air
+    use brz_air_steps, only: air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_kinds, only: dp, int64
     use brz_timer, only: wall_seconds
@@ -38,26 +38,25 @@ contains
     subroutine point_blast(n)
         integer, intent(in) :: n
         type(air_t) :: air
-        type(gpu_air_t) :: gpu
         type(air_result_t) :: seen
         real(dp) :: t, dt, start
         integer :: step
 
         call set_up_sedov(default, n, air)
         air%activity = .true.
-        call open_gpu_air(device, air, .false., gpu, err)
+        call open_gpu_air(device, air, .false., err)
         start = wall_seconds()
         t = 0
         step = 0
         do while (t < 1 - 1e-12_dp .and. seen%status == air_ok .and. .not. failed(err))
-            dt = min(gpu_air_time_step(gpu, air, 0.5_dp, err)*time_step_ramp(step, 20), 1 - t)
-            call gpu_air_step(gpu, air, dt, seen%status, err)
+            dt = min(gpu_air_time_step(air%device, air, 0.5_dp, err)*time_step_ramp(step, 20), 1 - t)
+            call air_step(air, wall, dt, seen%status, err)
             t = t + dt
             step = step + 1
             seen%cell_steps = seen%cell_steps + int(n, int64)**3
         end do
         seen%seconds = wall_seconds() - start
-        call fetch_air(gpu, air, err)
+        call fetch_air(air%device, air, err)
         call free_all()
         if (failed(err) .or. seen%status /= air_ok) then
             write (output_unit, '(a)') 'the run has failed: '//err%text

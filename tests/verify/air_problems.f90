@@ -5,7 +5,7 @@ module air_problems
     use brz_kinds, only: dp, int64, rk
     use brz_air_setup, only: make_grid, time_step_ramp
     use brz_air_state, only: air_ok, air_t, bc_outflow, bc_periodic, bc_symmetry, bc_wall, wall_t
-    use brz_air_steps, only: air_step
+    use shared_steps, only: air_step
     use brz_air_sums, only: air_time_step
     use brz_blast1d_profile, only: blast1d_at
     use brz_blast1d_state, only: blast1d_input_t, blast1d_t, start_blast1d

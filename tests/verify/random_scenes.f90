@@ -5,7 +5,7 @@ module random_scenes
     use brz_air_outside, only: keep_outside
     use brz_air_setup, only: make_grid, time_step_ramp
     use brz_air_state, only: air_ok, air_t, bc_outflow, bc_periodic, bc_symmetry, bc_wall
-    use brz_air_steps, only: air_step
+    use shared_steps, only: air_step
     use brz_air_sums, only: air_time_step
     use brz_coupling_setup, only: couple
     use brz_coupling_state, only: coupling_t

@@ -18,6 +18,7 @@ module brz_device
     use brz_host_room, only: read_memory
     use brz_kernel_profile, only: book_launch, profiling
     use brz_kinds, only: dp, int64, int8
+    use brz_present_table, only: detach_all
     use brz_text, only: to_text
     use brz_timer, only: wall_seconds
     implicit none
@@ -25,7 +26,7 @@ module brz_device
     public :: device_t, buffer_t, kernel_t, arguments_t, open_device, measure_memory, load_kernels
     public :: find_kernel, find_once, launch, side_by_side, wait_for_device, check
     public :: allocate_buffer, put_buffer, reserve_buffer, free_buffer, free_all
-    public :: copy_in, copy_out, copy_within, clear_buffer, pin
+    public :: copy_in, copy_out, copy_within, clear_buffer, pin, sessions
 
     integer, parameter :: threads_per_block = 128 !! all along x
     integer, parameter :: most_streams = 8 !! in which kernels run side by side
@@ -35,6 +36,8 @@ module brz_device
 
     integer(c_intptr_t), allocatable, save :: held(:) !! all memory that is reserved
     type(c_ptr), allocatable, save :: pinned(:) !! memory of the host, see `pin`
+
+    integer, protected, save :: sessions = 0 !! how often all memory was given back
 
     type :: device_t
         logical :: open = .false.
@@ -260,6 +263,8 @@ contains
             code = cu_host_unregister(pinned(k))
         end do
         pinned = pinned(:0)
+        call detach_all()
+        sessions = sessions + 1
     end subroutine free_all
 
     !> Set a buffer, or its first bytes, to zero.
@@ -353,6 +358,11 @@ contains
         integer :: i
 
         if (failed(err)) return
+        if (arguments%missing > 0) then
+            call raise(err, exit_device, 'GPU: argument '//to_text(arguments%missing)//' of '// &
+                       trim(kernel%name)//' is not on the GPU: this is an error of the program')
+            return
+        end if
         do i = 1, arguments%n
             values(i) = c_loc(arguments%value(arguments%first(i)))
         end do

@@ -6,7 +6,7 @@ module brz_gpu_common
     use brz_common_launches, only: common_kernels
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, reserve_buffer
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_layout, only: pick_chunk
+    use brz_tallies, only: pick_chunk
     use brz_kinds, only: dp, int64
     implicit none
     private

@@ -5,7 +5,7 @@ module brz_gpu_exact_sum
     use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
     use brz_buffers, only: doubles_t
     use brz_common_launches, only: common_kernels
-    use brz_device, only: allocate_buffer, copy_in, copy_out
+    use brz_device, only: allocate_buffer, copy_in, copy_out, sessions
     use brz_errors, only: error_t
     use brz_exact_sum, only: close_sums, limbs, open_sums, scale_t
     use brz_gpu_common, only: gpu_common_t
@@ -14,7 +14,7 @@ module brz_gpu_exact_sum
     use brz_tallies, only: tally_threads
     implicit none
     private
-    public :: gpu_exact_t
+    public :: gpu_exact_t, exact_for
 
     integer, parameter :: most = 18 !! sums of an item
     integer, parameter :: rows = 32 !! largest terms of each that are left for the host
@@ -30,7 +30,25 @@ module brz_gpu_exact_sum
         procedure :: open, end
     end type gpu_exact_t
 
+    type(gpu_exact_t), save, target :: one !! sums are taken one after the other
+    integer, save :: session = -1 !! for which it is open
+
 contains
+
+    !> Where the sums of a loop body over the processes are taken, see the loops.
+    function exact_for(ranks, err) result(exact)
+        type(ranks_t), intent(in) :: ranks
+        type(error_t), intent(inout) :: err
+        type(gpu_exact_t), pointer :: exact
+
+        exact => one
+        if (session /= sessions) then
+            one = gpu_exact_t()
+            call one%open(ranks, err)
+            session = sessions
+        end if
+        one%ranks = ranks
+    end function exact_for
 
     subroutine open (self, ranks, err)
         class(gpu_exact_t), intent(inout) :: self

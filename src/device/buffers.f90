@@ -7,8 +7,10 @@ module brz_buffers
     implicit none
     private
     public :: buffer_t, reals_t, doubles_t, integers_t, bytes_t, bytes_each, from
-    public :: arguments_t, most_arguments
+    public :: arguments_t, most_arguments, not_present
 
+    integer(c_intptr_t), parameter :: not_present = -huge(1_c_intptr_t)
+    !! the address of a copy that is not on the GPU, see brz_present_table
     integer, parameter :: most_arguments = 40
     integer, parameter :: most_words = 200 !! of eight bytes, for all arguments of a launch
 
@@ -38,6 +40,7 @@ module brz_buffers
     !> Values for one launch, in the order and of the types of the arguments of the kernel.
     type :: arguments_t
         integer :: n = 0
+        integer :: missing = 0 !! an argument that is not on the GPU, or 0
         integer :: first(most_arguments + 1) = 1 !! word of each argument
         integer(c_int64_t) :: value(most_words) = 0
     contains
@@ -99,6 +102,7 @@ contains
         class(buffer_t), intent(in) :: x
 
         call self%add_long(int(x%address, c_int64_t))
+        if (x%address == not_present) self%missing = self%n
     end subroutine add_buffer
 
     !> Bytes of one of its numbers.
