@@ -7,7 +7,7 @@ module brz_carrier_items
     use brz_column_items, only: depth_weight, force_from
     use brz_coupling_box, only: box_t, is_own
     use brz_kinds, only: dp, int32, rk
-    use brz_solid_state, only: is_held
+    use brz_particle_marks, only: is_held
     implicit none
     private
     public :: sum_shift, sum_push, sum_air_load

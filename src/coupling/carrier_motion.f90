@@ -5,11 +5,12 @@ module brz_carrier_motion
     use brz_algebra, only: inverse3
     use brz_carrier_rules, only: carrier_t, carries_all, carries_held, carries_none, n_push, &
                                  push_force, push_torque, push_turn, push_yield
+    use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp, rk
     use brz_load_rules, only: lightness, pushed_velocity
     use brz_motion, only: mean_velocity, velocity_of
     use brz_rigid, only: attitude, rigid_t, spin_of, turn
-    use brz_solid_state, only: form_rigid, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: read_carriers, foresee_carriers

@@ -6,9 +6,10 @@ module brz_carrier_steps
     use brz_carrier_motion, only: foresee_carriers, read_carriers
     use brz_carrier_rules, only: carries_all, carries_none, n_push
     use brz_coupling_state, only: coupling_t
+    use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
     use brz_ranks, only: several
-    use brz_solid_state, only: form_rigid, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: see_carriers, sum_shifts, move_carriers, sum_loads

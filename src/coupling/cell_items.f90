@@ -9,7 +9,7 @@ module brz_cell_items
     use brz_cell_shells, only: next_along
     use brz_coupling_box, only: box_t, is_gas, is_left, is_own, is_solid, place_at
     use brz_kinds, only: dp, int32, int64, int8
-    use brz_solid_state, only: is_gone
+    use brz_particle_marks, only: is_gone
     implicit none
     private
     public :: find_cell, mark_cell, compare_row, count_kind, list_kind, cells_of_a_chunk

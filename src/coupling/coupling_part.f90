@@ -7,10 +7,11 @@
 !> and what is beside the box is computed twice, from the same numbers.
 module brz_coupling_part
     use brz_boxes, only: cells_t
+    use brz_formulation_names, only: form_total
     use brz_kinds, only: dp, int32, int64, rk
     use brz_parcels, only: courier_t
     use brz_places, only: marks_t, parcels_t
-    use brz_solid_state, only: form_total, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: coupling_part_t, listing_t, introduce, list_now, may_have_come

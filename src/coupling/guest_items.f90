@@ -6,7 +6,7 @@ module brz_guest_items
     use brz_cell_shells, only: cell_at, number_of
     use brz_coupling_box, only: box_t
     use brz_kinds, only: dp, int32, int8, rk
-    use brz_solid_state, only: is_gone
+    use brz_particle_marks, only: is_gone
     implicit none
     private
     public :: mark_guest, miss_guest, mark_cells, take_load, renumber, mark_around

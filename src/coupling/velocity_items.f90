@@ -9,7 +9,7 @@ module brz_velocity_items
     use brz_kinds, only: dp, int32, rk
     use brz_ledger_items, only: faces_at
     use brz_load_rules, only: pushed_velocity
-    use brz_solid_state, only: is_held
+    use brz_particle_marks, only: is_held
     implicit none
     private
     public :: mean_velocity_of, push_wall, keep_velocity

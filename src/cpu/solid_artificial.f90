@@ -1,13 +1,16 @@
 ! SPDX-License-Identifier: MIT
 !> Artificial stress of pass 2, pair by pair.
 module brz_solid_artificial
+    use brz_body, only: body_t
+    use brz_force_layout, only: at_stiff, n_terms
     use brz_kernel, only: kernel_slope, pair_kernel
     use brz_kinds, only: int64, rk
+    use brz_pair_layout, only: pair_affine
     use brz_pair_rows, only: artificial_force, mirror_tensor
     use brz_solid_arrays, only: group_of
     use brz_solid_lanes, only: centre_t
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: at_stiff, n_terms, body_t, pair_affine, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: add_artificial

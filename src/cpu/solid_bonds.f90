@@ -3,9 +3,13 @@
 module brz_solid_bonds
     use brz_bond_items, only: pull_bonds, sum_bonds
     use brz_bond_loops, only: each_break_bond
+    use brz_force_layout, only: at_drag, at_heat, n_terms
+    use brz_formulation_names, only: form_rigid
+    use brz_hold_layout, only: n_held
     use brz_kinds, only: dp, real32, rk
-    use brz_solid_state, only: at_drag, at_heat, form_rigid, n_held, n_moments, n_terms, &
-        pair_tilt, solid_t
+    use brz_moment_layout, only: n_moments
+    use brz_pair_layout, only: pair_tilt
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: add_bonded_gradients, add_bonded_forces, push_rigid_bonds, break_bonds

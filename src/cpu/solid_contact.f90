@@ -6,10 +6,12 @@ module brz_solid_contact
     use brz_contact, only: link_sum, n_link
     use brz_contact_items, only: kept_early, kept_energy, kept_heat, kept_rub, n_kept, &
         press_particle, push_particle, sum_links
+    use brz_force_layout, only: at_drag, at_stiff, n_terms
     use brz_kinds, only: dp, real32, rk
     use brz_link_rows, only: joined_of
     use brz_solid_ghosts, only: refresh_motion, refresh_press, refresh_rows
-    use brz_solid_state, only: at_drag, at_stiff, n_terms, solid_t, worth_threads
+    use brz_solid_state, only: solid_t
+    use brz_threads, only: worth_threads
     implicit none
     private
     public :: contact_pass, find_press, find_touch

@@ -1,11 +1,18 @@
 ! SPDX-License-Identifier: MIT
 !> Pass 2: accelerations by the internal forces, heat of the viscous ones, and their ledger.
 module brz_solid_forces
+    use brz_body, only: body_t
     use brz_cohesive_state, only: push_of
     use brz_air_force, only: air_force
     use brz_artificial_stress, only: artificial_none
+    use brz_force_layout, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_terms
+    use brz_formulation_names, only: form_rigid, form_total
+    use brz_hold_layout, only: held_affine, held_energy, held_stiffness, n_held
     use brz_kernel, only: smoothing_length
     use brz_kinds, only: dp, int64, real32, rk
+    use brz_pair_layout, only: n_pair, pair_tilt
+    use brz_particle_groups, only: lanes
+    use brz_particle_marks, only: is_free, is_gone
     use brz_solid_bonds, only: add_bonded_forces
     use brz_solid_arrays, only: group_of
     use brz_solid_lanes, only: centre_t, lane_group_t, images_t, in_turn, most_images, place_body, &
@@ -14,11 +21,10 @@ module brz_solid_forces
     use brz_solid_mirror, only: mirrored, signs
     use brz_solid_pair_sums, only: add_pairs
     use brz_solid_artificial, only: add_artificial
-    use brz_solid_state, only: at_drag, at_friction, at_heat, at_stiff, at_work, body_t, &
-        form_rigid, form_total, held_affine, held_energy, held_stiffness, is_free, is_gone, &
-        lanes, n_held, n_pair, n_terms, pair_tilt, solid_t, worth_threads
+    use brz_solid_state, only: solid_t
     use brz_support, only: held_share
     use brz_tension_hold, only: kept_work
+    use brz_threads, only: worth_threads
     use brz_tilted_arm, only: mirrored_tilt
     implicit none
     private

@@ -4,11 +4,13 @@
 !> scripts/variants.py writes a loop for each set of sums. The compiler turns the inner loops, over
 !> the lanes, into vector code: constant length, and no branch but those on `kind`, which is known.
 module brz_solid_gradient_sums
+    use brz_formulation_names, only: form_bending, form_total
     use brz_gradient, only: moment_terms, outer_terms
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, rk
+    use brz_moment_layout, only: at_f, at_g, at_s, at_x, at_y, n_sums
+    use brz_particle_groups, only: lanes
     use brz_solid_lanes, only: body_kernel, lane_group_t, lane_kernel_t, pair_kernels
-    use brz_solid_state, only: at_f, at_g, at_s, at_x, at_y, form_bending, form_total, lanes, n_sums
     use brz_tilted_arm, only: lifted_arm, ply_arm, tilted_arm
     implicit none
     private

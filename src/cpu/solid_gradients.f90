@@ -5,15 +5,23 @@
 !> for pass 2, its row of `pair`.
 module brz_solid_gradients
     use brz_algebra, only: copy_matrix, inverse3, multiply3, to_matrix
+    use brz_body, only: body_t
     use brz_contact_face, only: face_normal, face_past, face_strain, strain_face
     use brz_face_stress, only: face_work
+    use brz_formulation_names, only: form_bending, form_rigid, form_total, form_uncorrected
     use brz_gradient, only: correction, midstep_gradient, piola, stable_step, total_gradient
+    use brz_hold_layout, only: held_affine, held_stiffness
+    use brz_intact_share, only: intact_share
     use brz_kinds, only: dp, int64, int8, rk
     use brz_lone_layer, only: close_layer, face_power, lie_in_layer, open_faces, stay_in_layer, &
                               turn_layer
     use brz_material, only: class_elastic, point_t, secant_share, strength_left
     use brz_materials, only: unloaded_speed, update_material
+    use brz_moment_layout, only: at_f, at_g, at_s, at_x, at_y, n_terms => n_sums
     use brz_motion_items, only: fill_rigid_row
+    use brz_pair_layout, only: pair_stress, pair_tilt
+    use brz_particle_groups, only: lanes
+    use brz_particle_marks, only: is_gone
     use brz_ply_axes, only: axes_matrix
     use brz_rigid_pose, only: pose_t, resting_pose
     use brz_row_items, only: fill_hold, fill_row, row_rules_t, rules_of, stiffen_along
@@ -22,11 +30,9 @@ module brz_solid_gradients
     use brz_solid_arrays, only: group_of
     use brz_solid_lanes, only: lane_group_t, images_t, in_turn, most_images, place_body, &
                                place_group, place_images
-    use brz_solid_state, only: at_f, at_g, at_s, at_x, at_y, body_t, form_bending, form_rigid, &
-                               form_total, form_uncorrected, held_affine, held_stiffness, &
-                               intact_share, is_gone, lanes, n_terms => n_sums, &
-                               pair_stress, pair_tilt, solid_t, worth_threads
+    use brz_solid_state, only: solid_t
     use brz_tension_hold, only: deviation, kappa_of, may_be_drawn
+    use brz_threads, only: worth_threads
     use brz_tilted_arm, only: tilted_correction
     implicit none
     private

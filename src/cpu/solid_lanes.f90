@@ -6,12 +6,17 @@
 !> pairs with all eight at once. What it reads of the neighbour is one number for all lanes, what it
 !> reads of the group and what it sums are whole vectors.
 module brz_solid_lanes
+    use brz_body, only: body_t
+    use brz_force_layout, only: n_terms
     use brz_gradient, only: limiter_slope
+    use brz_hold_layout, only: n_held
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: dp, int32, int64, rk
+    use brz_pair_layout, only: n_pair
+    use brz_particle_groups, only: lanes
     use brz_solid_arrays, only: group_of
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: body_t, lanes, n_held, n_pair, n_terms, solid_t
+    use brz_solid_state, only: solid_t
     use brz_tilted_arm, only: radial_normal
     implicit none
     private
@@ -30,7 +35,7 @@ module brz_solid_lanes
         real(rk) :: h = 0 !! smoothing length [m]
         real(rk) :: normal(3) = 0 !! of the layers, see brz_tilted_arm; 0: no tilts
         real(rk) :: lift = 0 !! over the tilt, likewise
-        logical :: curved = .false. !! that of a particle is radial, see brz_solid_state
+        logical :: curved = .false. !! that of a particle is radial, see brz_body
         real(dp) :: middle(3) = 0 !! on the axis of such a wall [m]
     end type centre_t
 
@@ -54,7 +59,7 @@ module brz_solid_lanes
         real(rk) :: tilt(lanes) = 0 !! for pass 1 [1/m]
         logical :: drawn(lanes) = .false. !! for pass 1: was in tension
         logical :: held = .false. !! for pass 2: some pair has the hold
-        real(rk) :: row(lanes, n_pair) = 0 !! for pass 2, see brz_solid_state
+        real(rk) :: row(lanes, n_pair) = 0 !! for pass 2, see brz_pair_layout
         real(rk) :: own(lanes, n_held) = 0 !! the same, the hold
         real(rk) :: k_axes(lanes, 6) = 0 !! the same, where a body has a stiffness along axes
         real(rk) :: sums(lanes, n_terms) = 0 !! what pass 2 sums up

@@ -5,16 +5,20 @@
 !> the order of the particles alone. Links of a particle stand in the order of the bodies, of the
 !> planes of images, and of the numbers of the particles.
 module brz_solid_links
+    use brz_bond_marks, only: bond_whole
     use brz_cell_grid, only: cell_span, extent, fill_cells, lay_grid, number_of_cell
     use brz_contact_items, only: owner_of
     use brz_contact, only: law_bonded, law_none
     use brz_kinds, only: dp, int32, int64
     use brz_link_layout, only: link_unit, mask_unit, n_press
     use brz_link_rows, only: first_link, last_link, link_partner
+    use brz_links, only: links_t
     use brz_list_drift, only: begin_links, links_reach, may_link
+    use brz_particle_marks, only: is_gone
     use brz_ranks, only: least_of_all, most_of_all, several
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: bond_whole, is_gone, links_t, solid_t, worth_threads
+    use brz_solid_state, only: solid_t
+    use brz_threads, only: worth_threads
     implicit none
     private
     public :: build_links, settle_links, first_bonds

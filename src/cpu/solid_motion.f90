@@ -2,12 +2,15 @@
 !> How many intact neighbours particles have left, on the CPU.
 module brz_solid_motion
     use brz_cell_grid, only: reach_of_lists
+    use brz_formulation_names, only: form_bending
+    use brz_intact_share, only: intact_share
     use brz_kinds, only: dp, int16, int64, int8
     use brz_material, only: strength_left
     use brz_solid_arrays, only: group_of
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: form_bending, intact_share, solid_t, worth_threads
+    use brz_solid_state, only: solid_t
     use brz_tension_hold, only: may_be_drawn
+    use brz_threads, only: worth_threads
     implicit none
     private
     public :: count_support, end_support

@@ -6,16 +6,17 @@
 !> it does not use. The compiler turns the inner loops, over the lanes, into vector code: constant
 !> length, and no branch but those on `kind`, which is known.
 module brz_solid_pair_sums
+    use brz_force_layout, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_terms
+    use brz_formulation_names, only: form_bending, form_corrected_hourglass, form_total
+    use brz_hold_layout, only: held_affine, held_stiffness, held_whole, n_held
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, real32, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, jump_speed, &
                               metric_square, most_bent, most_drawn, stress_force, viscous_force
+    use brz_pair_layout, only: n_pair, pair_affine, pair_keep, pair_linear, pair_quadratic, &
+        pair_stress, pair_tilt, pair_volume, pair_zeta
+    use brz_particle_groups, only: lanes
     use brz_solid_lanes, only: body_kernel, lane_group_t, lane_kernel_t, pair_kernels
-    use brz_solid_state, only: at_drag, at_friction, at_heat, at_stiff, at_work, form_bending, &
-                               form_corrected_hourglass, form_total, held_affine, held_stiffness, &
-                               held_whole, lanes, n_held, n_pair, n_terms, pair_affine, pair_zeta, &
-                               pair_keep, pair_linear, pair_quadratic, pair_stress, pair_tilt, &
-                               pair_volume
     use brz_tilted_arm, only: lifted_arm, ply_arm, radial_normal, tilted_arm, tilted_force
     implicit none
     private

@@ -8,13 +8,17 @@
 !> the numbers of the particles (images: of the planes, then of the numbers), so the sums of a
 !> particle depend neither on who shares its group nor on where particles are in memory.
 module brz_solid_search
+    use brz_body, only: body_t
     use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, &
         number_of_cell, reach_of_lists
+    use brz_formulation_names, only: form_rigid, form_total
     use brz_id_order, only: order_by_id, order_room_t
     use brz_kinds, only: dp, int32, int64, int8, rk
+    use brz_particle_groups, only: lanes
+    use brz_particle_marks, only: is_gone
     use brz_solid_arrays, only: group_of
-    use brz_solid_state, only: body_t, form_rigid, form_total, is_gone, lanes, solid_t, &
-                               worth_threads
+    use brz_solid_state, only: solid_t
+    use brz_threads, only: worth_threads
     implicit none
     private
     public :: build_list

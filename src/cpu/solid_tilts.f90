@@ -2,13 +2,15 @@
 !> Tilt of the gradients in the outermost layers of laminates, plates and bars, from the unloaded
 !> body.
 module brz_solid_tilts
+    use brz_body, only: body_t
     use brz_contact_items, only: owner_of
     use brz_kernel, only: kernel_scale, kernel_slope
     use brz_kinds, only: dp, int64, real32, rk
     use brz_solid_arrays, only: group_of
     use brz_link_rows, only: first_link, is_bonded, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: body_t, solid_t, worth_threads
+    use brz_solid_state, only: solid_t
+    use brz_threads, only: worth_threads
     use brz_tilted_arm, only: pack_tilt, radial_normal
     implicit none
     private

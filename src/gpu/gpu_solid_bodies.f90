@@ -2,8 +2,10 @@
 !> Each body on the GPU: its parameters, its material, and the kernels that suit them.
 module brz_gpu_solid_bodies
     use brz_artificial_stress, only: artificial_none
+    use brz_body, only: body_t
     use brz_device, only: allocate_buffer, find_kernel, put_buffer
     use brz_errors, only: error_t, exit_device, raise
+    use brz_formulation_names, only: form_bending, form_corrected_hourglass, form_rigid, form_total
     use brz_gradient, only: limiter_slope
     use brz_gpu_solid_layout, only: body_gpu_t, slice_width
     use brz_gpu_solid_state, only: bytes_of_real, columns_t, gpu_solid_body_t, gpu_solid_t
@@ -11,9 +13,9 @@ module brz_gpu_solid_bodies
     use brz_kinds, only: int64, rk
     use brz_material, only: class_elastic, material_t
     use brz_model_list, only: find_kernel_of
+    use brz_particle_marks, only: is_gone
     use brz_row_items, only: rules_of
-    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
-        form_total, is_gone, solid_t
+    use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none
     private

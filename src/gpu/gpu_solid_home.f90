@@ -5,6 +5,7 @@ module brz_gpu_solid_home
     use brz_buffers, only: doubles_t, from
     use brz_device, only: clear_buffer, copy_in, copy_out, reserve_buffer
     use brz_errors, only: error_t
+    use brz_formulation_names, only: form_total
     use brz_ghost_wants, only: has_boxes, tell_boxes
     use brz_gpu_lists, only: put_changed, put_list
     use brz_gpu_mark_steps, only: list_marks
@@ -15,7 +16,7 @@ module brz_gpu_solid_home
     use brz_kinds, only: dp, int64
     use brz_places, only: parcels_t
     use brz_ranks, only: least_of_all
-    use brz_solid_state, only: form_total, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: close_books, find_boxes, find_lowest, homes_of, list_leaving, put_region, put_table, &

@@ -14,14 +14,14 @@
 !> book(n, ...), whose sums over a body are its ledger. There n is a few places more than there
 !> are, so that every column begins on a whole row of memory, see whole_lanes.
 module brz_gpu_solid_layout
+    use brz_body_numbers, only: body_numbers_t
+    use brz_force_layout, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_terms
     use brz_kinds, only: dp, rk
     use brz_link_layout, only: mask_unit, slice_width
     use brz_row_items, only: row_rules_t
     use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, at_wave, n_linked_tag, n_tag, tag_bond, tag_face, tag_limp, tag_fault, &
         tag_fixed, tag_id, tag_joined, tag_ply, tag_support, tag_touch, tag_weight
-    use brz_solid_state, only: at_drag, at_friction, at_heat, at_stiff, at_work, body_numbers_t, &
-        n_terms
     implicit none
     private
     public :: body_gpu_t, grid_gpu_t
@@ -82,7 +82,7 @@ module brz_gpu_solid_layout
         real(rk) :: scale, half_over_h !! of the kernel
         real(rk) :: depth !! of directions that are not modelled [m or m2]
         real(rk) :: spares !! 1: the viscosity spares smooth flow, see jump_speed
-        integer :: curved !! 1: the normal of a particle is radial, see brz_solid_state
+        integer :: curved !! 1: the normal of a particle is radial, see brz_body
         real(dp) :: middle(3) !! on the axis of such a wall [m]
         real(rk) :: width(3) !! of the lattice, see brz_wide_lattice
         integer :: layer_of_ply !! 1: yes

@@ -3,16 +3,18 @@
 !> intact neighbours particles have left.
 module brz_gpu_solid_motion
     use brz_errors, only: error_t
+    use brz_formulation_names, only: form_bending
     use brz_gpu_cohesive_steps, only: cohesive_pass
     use brz_gpu_solid_contact, only: contact_pass, note_awake
     use brz_gpu_solid_ghosts, only: refresh_rows
     use brz_gpu_solid_gradients, only: gradient_pass
     use brz_gpu_solid_state, only: gpu_solid_t, threads_of
     use brz_gpu_solid_books, only: add_held_impulse
+    use brz_intact_share, only: intact_share
     use brz_kinds, only: dp
     use brz_motion_launches, only: motion_kernels
     use brz_solid_launches, only: solid_kernels
-    use brz_solid_state, only: form_bending, intact_share, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: begin_step, book_first_half, size_particles, end_support

@@ -8,6 +8,7 @@ module brz_gpu_solid_search
     use brz_drift_launches, only: drift_kernels
     use brz_errors, only: error_t, failed
     use brz_drift_items, only: drift_of
+    use brz_formulation_names, only: form_total
     use brz_ghost_wants, only: most_outside
     use brz_gpu_lists, only: put_changed
     use brz_gpu_parcels, only: carry_rows, rows_of, gpu_rows_t
@@ -17,11 +18,13 @@ module brz_gpu_solid_search
     use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, news_all, news_part, threads_of
     use brz_gpu_solid_books, only: boxes_of_all, find_extent, forget_gone
     use brz_home_launches, only: home_kernels
+    use brz_kept_cells, only: kept_cells_t
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
+    use brz_pair_layout, only: n_pair
     use brz_ranks, only: several, sum_of_all
     use brz_solid_launches, only: solid_kernels
-    use brz_solid_state, only: form_total, kept_cells_t, n_pair, solid_t
+    use brz_solid_state, only: solid_t
     use brz_tallies, only: tally_threads
     implicit none
     private

@@ -8,7 +8,9 @@ module brz_gpu_solid_state
     use brz_contact_face, only: n_face
     use brz_device, only: allocate_buffer, copy_in, copy_within, device_t, free_buffer, kernel_t, &
         reserve_buffer
+    use brz_energy_account, only: ledger_t
     use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_formulation_names, only: form_total
     use brz_gpu_cohesive_state, only: gpu_cohesive_t
     use brz_force_items, only: n_sum
     use brz_gpu_common, only: gpu_common_t
@@ -20,12 +22,14 @@ module brz_gpu_solid_state
         book_contact_heat, book_load, grid_gpu_t, &
         n_book, n_flag, n_linked_tag, n_tag, n_terms, tag_bond, tag_face, &
         tag_fixed, tag_id, tag_joined, tag_touch, tag_weight
+    use brz_hold_layout, only: n_held
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: link_layout_t, n_press
     use brz_move_level, only: lost_level
+    use brz_pair_layout, only: n_pair
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
     use brz_solid_places, only: whole_lanes
-    use brz_solid_state, only: form_total, ledger_t, n_held, n_pair, solid_t
+    use brz_solid_state, only: solid_t
     use brz_tallies, only: tally_threads
     use brz_text, only: to_text
     implicit none

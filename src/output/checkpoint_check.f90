@@ -3,11 +3,13 @@
 !> end a run far from the cause.
 module brz_checkpoint_check
     use brz_air_state, only: air_t
+    use brz_bond_marks, only: bond_breaks
     use brz_clock, only: clock_t
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t, exit_io, failed, raise
     use brz_kinds, only: dp, int32
-    use brz_solid_state, only: bond_breaks, is_gone, solid_t
+    use brz_particle_marks, only: is_gone
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: check_state

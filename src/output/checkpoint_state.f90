@@ -11,14 +11,16 @@ module brz_checkpoint_state
     use brz_carry, only: carry
     use brz_clock, only: clock_t, resume_clock
     use brz_coupling_state, only: coupling_t
+    use brz_energy_account, only: ledger_t
     use brz_errors, only: error_t, failed
     use brz_hdf5_array, only: h5_shape
     use brz_hdf5_file, only: h5_has, h5_t
+    use brz_kept_cells, only: kept_cells_t
     use brz_motion, only: motion_t
     use brz_kinds, only: dp, int16, int32, int64, int8, real32, real64
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_integer, &
         is_short, is_single
-    use brz_solid_state, only: kept_cells_t, ledger_t, solid_t
+    use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none
     private

@@ -13,6 +13,7 @@ module brz_gauges
     use brz_check_start, only: is_radial
     use brz_contact, only: law_contact
     use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_formulation_names, only: form_rigid
     use brz_gauge_places, only: choose_particle, strain_between
     use brz_gauge_quantities, only: find_quantity, from_impulse, is_motion, is_of_body, &
         of_displacement, of_history, of_state, of_strain, of_stress, of_velocity, quantities, &
@@ -20,10 +21,11 @@ module brz_gauges
     use brz_kinds, only: dp, int64
     use brz_material, only: n_hist
     use brz_materials, only: history_names
+    use brz_particle_marks, only: is_free
     use brz_particle_order, only: find_place
     use brz_ranks, only: bits_of_all, several, sum_of_all
     use brz_force_steps, only: n_forces
-    use brz_solid_state, only: form_rigid, is_free, solid_t
+    use brz_solid_state, only: solid_t
     use brz_solid_sums, only: velocity_at_step
     use brz_wide_lattice, only: unloaded_place
     implicit none

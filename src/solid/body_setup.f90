@@ -3,6 +3,8 @@
 !>
 !> `set_up_solid` fills all but lists and accelerations; start_solid (brz_solid_start) does that.
 module brz_body_setup
+    use brz_body, only: body_t
+    use brz_body_pair, only: between_t
     use brz_body_points, only: lay_shapes, place_points, points_t
     use brz_body_shape, only: axis_of, shape_t
     use brz_body_start, only: held_t, hold_body, judge_held, move_body
@@ -31,9 +33,10 @@ module brz_body_setup
     use brz_start_fields, only: move_from_dump, start_from_file
     use brz_soft_bodies, only: judge_soft
     use brz_solid_arrays, only: allocate_solid
-    use brz_solid_state, only: between_t, body_t, solid_t, worth_threads
+    use brz_solid_state, only: solid_t
     use brz_text, only: string_t
     use brz_thin_bodies, only: judge_bars, judge_thin
+    use brz_threads, only: worth_threads
     use brz_wide_lattice, only: settle_lattice
     implicit none
     private

@@ -1,13 +1,16 @@
 ! SPDX-License-Identifier: MIT
 !> How the particles of a body start: their velocities, and which of them are held.
 module brz_body_start
+    use brz_body, only: body_t
     use brz_body_shape, only: shape_t, whole_sides
     use brz_case, only: body_case_t, is_held_whole, label
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kinds, only: dp, rk
-    use brz_solid_state, only: body_t, is_held, solid_t, worth_threads
+    use brz_particle_marks, only: is_held
+    use brz_solid_state, only: solid_t
     use brz_support, only: is_kept, kept_along
     use brz_text, only: to_text
+    use brz_threads, only: worth_threads
     implicit none
     private
     public :: held_t, hold_body, judge_held, move_body, in_box

@@ -3,20 +3,22 @@
 !> continuum does, until a bond breaks for good. Bodies that share their sums do so whenever they
 !> approach or are compressed, though they start apart.
 module brz_bond_items
+    use brz_bond_marks, only: bond_breaks, bond_broken, bond_whole
     use brz_contact, only: bond_effort, joins, law_bonded, law_shared, meeting_t, takes_part
     use brz_contact_items, only: look_ahead, look_along, owner_of
+    use brz_force_layout, only: at_drag, at_heat, at_stiff, n_terms
+    use brz_formulation_names, only: form_bending, form_corrected_hourglass
     use brz_gradient, only: moment_terms, outer_terms
+    use brz_hold_layout, only: held_affine, held_stiffness, n_held
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t, links_of
+    use brz_moment_layout, only: at_g, at_s, at_x, at_y, n_moments
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, jump_speed, most_bent, viscous_force
+    use brz_pair_layout, only: n_pair, pair_affine, pair_keep, pair_linear, pair_quadratic, &
+        pair_stress, pair_tilt, pair_volume, pair_zeta
     use brz_pair_rows, only: add_drag, add_hold, axes_of_pair, mirror_row
     use brz_shared_sums, only: carried_along
-    use brz_solid_state, only: at_drag, at_g, at_heat, at_stiff, at_s, at_x, at_y, &
-        bond_breaks, bond_broken, bond_whole, form_bending, form_corrected_hourglass, held_affine, &
-        held_stiffness, n_held, &
-        n_moments, n_pair, n_terms, pair_affine, pair_zeta, pair_keep, pair_linear, &
-        pair_quadratic, pair_stress, pair_tilt, pair_volume
     use brz_tilted_arm, only: tilted_arm, tilted_force, wall_arm
     implicit none
     private

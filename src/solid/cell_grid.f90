@@ -5,8 +5,14 @@
 !> where fragments fly so far that this takes too many cells, parts of space share cells, evenly.
 !> Neighbours are in neighbouring cells either way.
 module brz_cell_grid
+    use brz_body, only: body_t
+    use brz_formulation_names, only: form_total
+    use brz_kept_cells, only: kept_cells_t
     use brz_kinds, only: dp, int32, int64
-    use brz_solid_state, only: body_t, form_total, is_gone, kept_cells_t, lanes, search_t, solid_t
+    use brz_particle_groups, only: lanes
+    use brz_particle_marks, only: is_gone
+    use brz_search_arrays, only: search_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: lay_grid, extent, choose_cells, take_cells, fill_cells, cell_span, box_span, &

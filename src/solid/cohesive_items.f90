@@ -8,10 +8,11 @@
 !> Of several processes each computes the points that see one of its particles. All others of such
 !> a point are particles or ghosts there, so all that compute it do so from the same numbers.
 module brz_cohesive_items
+    use brz_bond_marks, only: loose_by
     use brz_cohesive_law, only: cohesive_law_t, has_damage, has_held, has_spent, load_point
     use brz_kinds, only: dp, int32, int64, rk
     use brz_link_layout, only: mask_unit
-    use brz_solid_state, only: is_gone, loose_by
+    use brz_particle_marks, only: is_gone
     implicit none
     private
     public :: place_node, open_point, join_node, gather_node, add_pull

@@ -2,11 +2,12 @@
 !> Cohesive interfaces beside bodies of a single layer, which are seen in their middle: what lies
 !> between that and the interface is part of its spring.
 module brz_cohesive_layers
+    use brz_body, only: body_t
     use brz_cohesive_law, only: slide_range
     use brz_kinds, only: dp, real32
     use brz_material, only: material_t
     use brz_ply_stress, only: p_g13, p_g23
-    use brz_solid_state, only: body_t, solid_t
+    use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none
     private

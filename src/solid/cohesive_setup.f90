@@ -2,6 +2,7 @@
 !> Cohesive interfaces, from the deck and the particles: points, stiffness, stable step.
 module brz_cohesive_setup
     use brz_body_shape, only: shape_t
+    use brz_bond_marks, only: loose_by
     use brz_case, only: case_t, interaction_case_t, label
     use brz_cohesive_faces, only: drop_faces, faces_t, find_faces
     use brz_cohesive_layers, only: add_layers, keep_energy
@@ -13,7 +14,8 @@ module brz_cohesive_setup
     use brz_interaction_setup, only: find_rule
     use brz_kinds, only: dp, int32, real32
     use brz_material, only: material_t
-    use brz_solid_state, only: is_held, loose_by, solid_t
+    use brz_particle_marks, only: is_held
+    use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none
     private

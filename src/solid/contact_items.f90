@@ -10,12 +10,13 @@ module brz_contact_items
     use brz_contact_face, only: add_push_by_face, face_edge, face_normal, face_past, &
         face_strain, turn_normal
     use brz_contact_release, only: is_freed, is_tied, later_touch
+    use brz_force_layout, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_terms
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t, links_of, mask_unit, n_press
     use brz_pair_force, only: viscous_force
-    use brz_solid_state, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_pair, &
-        n_terms, pair_linear, pair_quadratic, pair_spin, pair_stress, pair_volume
+    use brz_pair_layout, only: n_pair, pair_linear, pair_quadratic, pair_spin, pair_stress, &
+        pair_volume
     implicit none
     private
     public :: owner_of, look_ahead, look_along, sum_links, press_particle, push_particle, &

@@ -4,9 +4,9 @@
 !>
 !> Source: docs/solid.md section 9
 module brz_contact_release
+    use brz_bond_marks, only: bond_breaks, bond_whole, loose_by
     use brz_contact, only: joins, law_bonded, meeting_t
     use brz_kinds, only: int32, real32, rk
-    use brz_solid_state, only: bond_breaks, bond_whole, loose_by
     implicit none
     private
     public :: is_tied, is_freed, later_touch

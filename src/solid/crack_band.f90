@@ -4,11 +4,12 @@
 !> Source: Bazant & Oh 1983.
 module brz_crack_band
     use, intrinsic :: iso_fortran_env, only: real32
+    use brz_body, only: body_t
     use brz_case, only: body_case_t, label
     use brz_errors, only: error_t, exit_deck, raise
+    use brz_formulation_names, only: form_bending, form_rigid
     use brz_kinds, only: dp
     use brz_material, only: material_t
-    use brz_solid_state, only: body_t, form_bending, form_rigid
     use brz_text, only: to_text
     implicit none
     private

@@ -5,7 +5,7 @@ module brz_drift_items
     use brz_cell_grid, only: cell_along
     use brz_kinds, only: dp, int32, rk
     use brz_move_level, only: level_of, renewed_level
-    use brz_solid_state, only: is_gone
+    use brz_particle_marks, only: is_gone
     implicit none
     private
     public :: sum_drift, drift_of, renew_place, cell_at

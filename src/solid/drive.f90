@@ -1,9 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Work of the prescribed motion of a body.
 module brz_drive
+    use brz_body, only: body_t
+    use brz_energy_account, only: ledger_t
+    use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
     use brz_motion, only: mean_velocity, motion_t, velocity_of
-    use brz_solid_state, only: body_t, form_rigid, ledger_t, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: book_drive, begin_motion, end_motion, add_held_impulse

@@ -5,7 +5,7 @@ module brz_facet_items
     use brz_face_stress, only: add_face_stress
     use brz_friedlander, only: friedlander_impulse
     use brz_kinds, only: dp, int32, int64, rk
-    use brz_solid_state, only: is_gone, is_held
+    use brz_particle_marks, only: is_gone, is_held
     implicit none
     private
     public :: place_particle, own_carrier, mark_beside, begin_load, load_carrier, sum_load

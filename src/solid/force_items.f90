@@ -2,7 +2,7 @@
 !> Forces on a whole body, its momentum and its totals, summed over its particles.
 module brz_force_items
     use brz_kinds, only: dp, int32, rk
-    use brz_solid_state, only: is_gone, is_held
+    use brz_particle_marks, only: is_gone, is_held
     use brz_support, only: is_driven, is_kept
     implicit none
     private

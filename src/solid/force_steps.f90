@@ -4,9 +4,10 @@
 module brz_force_steps
     use brz_air_force, only: grip_of, load_of !@cpu
     use brz_force_loops, only: each_sum_forces
+    use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
     use brz_rigid_motion, only: rigid_forces
-    use brz_solid_state, only: form_rigid, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: forces_on_body, book_impulse, n_forces

@@ -7,13 +7,15 @@
 !> the boxes that those of each process fill now.
 module brz_ghost_wants
     use brz_cell_grid, only: reach_of_lists
+    use brz_formulation_names, only: form_rigid, form_total
     use brz_home_items, only: near_region
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: links_reach, may_link
     use brz_mail, only: tell_all
+    use brz_particle_marks, only: is_gone
     use brz_ranks, only: least_of_all, ranks_t
-    use brz_solid_state, only: form_rigid, form_total, is_gone, n_want, solid_t, want_corners, &
-        want_reach
+    use brz_solid_state, only: solid_t
+    use brz_want_rows, only: n_want, want_corners, want_reach
     implicit none
     private
     public :: find_boxes, find_lowest, has_boxes, homes_of, inhabited, is_needed, most_outside, &

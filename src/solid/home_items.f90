@@ -2,7 +2,8 @@
 !> The owner rank of a particle, its home, and which other processes need it as a ghost.
 module brz_home_items
     use brz_kinds, only: dp, int32, int64
-    use brz_solid_state, only: is_gone, n_want, want_corners, want_reach
+    use brz_particle_marks, only: is_gone
+    use brz_want_rows, only: n_want, want_corners, want_reach
     implicit none
     private
     public :: home_of, near_region, mark_home, mark_near, note_outside, put_away

@@ -1,17 +1,19 @@
 ! SPDX-License-Identifier: MIT
 !> The table of laws between bodies, from the deck and the bodies themselves.
 module brz_interaction_setup
+    use brz_body, only: body_t
     use brz_case, only: case_t, interaction_case_t, label, means
     use brz_contact, only: law_bonded, law_cohesive, law_contact, law_none, law_shared, meeting_t
     use brz_errors, only: error_t, exit_deck, raise
     use brz_flat_surface, only: flat_sum
+    use brz_formulation_names, only: form_corrected_hourglass, form_rigid, form_total
     use brz_gradient, only: limiter_slope
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: dp, real32, rk
     use brz_material, only: material_t
     use brz_materials, only: unloaded_speed
     use brz_meeting_speed, only: closing_speed
-    use brz_solid_state, only: body_t, form_corrected_hourglass, form_rigid, form_total, solid_t
+    use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none
     private

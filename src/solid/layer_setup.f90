@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> Which bodies are a single layer of particles, and what that takes: brz_lone_layer.
 module brz_layer_setup
+    use brz_body, only: body_t
     use brz_body_shape, only: shape_t
     use brz_case, only: case_t
+    use brz_formulation_names, only: form_bending
     use brz_hourglass_axes, only: fourth_moment, lay_layer_axes
     use brz_kinds, only: dp, rk
     use brz_material, only: material_t
     use brz_ply_stress, only: p_c11, p_c13, p_c23, p_c33, p_g12, p_g13, p_g23
-    use brz_solid_state, only: body_t, form_bending
     use brz_thin_bodies, only: is_bonded
     implicit none
     private

@@ -18,11 +18,13 @@
 !> or which have drifted too far since S. All others may hold entries out of reach.
 module brz_list_drift
     use brz_contact, only: law_none
+    use brz_formulation_names, only: form_rigid, form_total
+    use brz_kept_cells, only: kept_cells_t
     use brz_kinds, only: dp, int64
     use brz_move_level, only: move_levels, renewed_level
     use brz_ranks, only: several
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: form_rigid, form_total, kept_cells_t, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: level_unit, drift_bodies, find_stale, begin_list, begin_links, &

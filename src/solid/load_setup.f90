@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The facets that carry the loads of a deck, from the unloaded bodies.
 module brz_load_setup
+    use brz_body, only: body_t
     use brz_body_shape, only: shape_t
     use brz_case, only: case_t, load_case_t, label
     use brz_contact, only: law_bonded
@@ -11,7 +12,7 @@ module brz_load_setup
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, friedlander_decay, nearest, &
                                    nearest_ground, oblique_shares, surface_blast
     use brz_patch, only: is_under
-    use brz_solid_state, only: body_t, solid_t
+    use brz_solid_state, only: solid_t
     use brz_stl, only: mesh_t, read_stl
     use brz_text, only: to_text
     use brz_wall_facets, only: find_wall_facets

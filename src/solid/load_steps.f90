@@ -6,11 +6,12 @@ module brz_load_steps
     use brz_face_load, only: mean_pressures, pushes
     use brz_facet_loops, only: each_begin_load, each_load_carrier, each_mark_beside, &
                                each_own_carrier, each_place_particle, each_sum_load
+    use brz_formulation_names, only: form_rigid
     !@gpu use brz_gpu_solid_load, only: fetch_loaded, put_loaded
     use brz_kinds, only: dp
     use brz_load_part, only: tell_carriers
     use brz_ranks, only: several
-    use brz_solid_state, only: form_rigid, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: load_faces, mark_facets, note_carriers

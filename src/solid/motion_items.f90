@@ -5,9 +5,10 @@ module brz_motion_items
     use brz_kernel, only: smoothing_length
     use brz_kinds, only: dp, int32, int64, rk
     use brz_move_level, only: level_of, lost_level
+    use brz_pair_layout, only: n_pair, pair_spin, pair_volume
+    use brz_particle_marks, only: is_gone, is_held
     use brz_rigid, only: cross
     use brz_rigid_pose, only: arm_at, place_point, pose_t, push_layout_t, spin_at, velocity_at
-    use brz_solid_state, only: is_gone, is_held, n_pair, pair_spin, pair_volume
     use brz_support, only: driven_by, is_driven, is_kept
     implicit none
     private

@@ -4,13 +4,14 @@
 module brz_motion_steps
     use brz_air_force, only: load_of !@cpu
     !@gpu use brz_device, only: clear_buffer, copy_out
+    use brz_formulation_names, only: form_rigid, form_total
     !@gpu use brz_gpu_solid_motion, only: size_particles
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
     use brz_motion_loops, only: each_drift_particle, each_note_particle
     use brz_move_level, only: lost_level, move_levels
     use brz_solid_books, only: begin_kick, book_work !@cpu
-    use brz_solid_state, only: form_rigid, form_total, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: kick_bodies, find_levels

@@ -3,12 +3,13 @@
 !> (artificial stress), from what pass 1 left of both particles in rows; and rows as the images of
 !> particles have them. Point physics.
 module brz_pair_rows
+    use brz_body_numbers, only: body_numbers_t
+    use brz_force_layout, only: at_drag, at_friction, at_stiff, at_work, n_terms
+    use brz_hold_layout, only: held_affine, held_stiffness, held_whole, n_held
     use brz_kernel, only: kernel_shape
     use brz_kinds, only: real32, rk
     use brz_pair_force, only: hourglass_stiff, hourglass_viscous, most_drawn, stress_force
-    use brz_solid_state, only: at_drag, at_friction, at_stiff, at_work, body_numbers_t, &
-        held_affine, held_stiffness, held_whole, n_held, n_pair, n_terms, pair_affine, pair_zeta, &
-        pair_stress
+    use brz_pair_layout, only: n_pair, pair_affine, pair_stress, pair_zeta
     implicit none
     private
     public :: add_drag, add_hold, axes_of_pair, artificial_force, mirror_row, mirror_tensor

@@ -6,7 +6,8 @@ module brz_particle_order
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_ptr
     use brz_kinds, only: int8
     use brz_solid_fields, only: fields_of, fields_t, memory_of
-    use brz_solid_state, only: solid_t, worth_threads
+    use brz_solid_state, only: solid_t
+    use brz_threads, only: worth_threads
     implicit none
     private
     public :: find_place, reorder_particles

@@ -8,12 +8,13 @@
 !>
 !> Source: docs/solid.md section 4
 module brz_plate
+    use brz_body, only: body_t
     use brz_body_shape, only: axis_of, shape_t, whole_sides
     use brz_case, only: body_case_t, label
     use brz_errors, only: error_t, exit_deck, raise
     use brz_formulation, only: fast
+    use brz_formulation_names, only: form_bending, form_total
     use brz_kinds, only: dp, rk
-    use brz_solid_state, only: body_t, form_bending, form_total
     use brz_tilted_arm, only: face_lift
     implicit none
     private

@@ -1,12 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> Regions of a body whose velocity is prescribed, each by a motion of its own.
 module brz_region_setup
+    use brz_body, only: body_t
     use brz_body_start, only: in_box
     use brz_case, only: body_case_t, region_case_t
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kinds, only: dp, int32, rk
     use brz_motion, only: motion_t, velocity_of
-    use brz_solid_state, only: body_t, is_free, solid_t
+    use brz_particle_marks, only: is_free
+    use brz_solid_state, only: solid_t
     use brz_support, only: driven_by, kept_along
     use brz_text, only: to_text
     implicit none

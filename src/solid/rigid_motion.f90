@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> The two halves of the time step of one rigid body: kick and drift, and the balance at the step.
 module brz_rigid_motion
+    use brz_body, only: body_t
     use brz_kinds, only: dp
     use brz_motion, only: velocity_of
     use brz_rigid, only: cross, spin_of, turn
-    use brz_solid_state, only: body_t
     implicit none
     private
     public :: advance_rigid, settle_rigid, rigid_forces, rigid_step

@@ -2,13 +2,16 @@
 !> Mass, inertia and first motion of rigid bodies; prescribed motion of held particles.
 module brz_rigid_setup
     use brz_algebra, only: inverse3
+    use brz_body, only: body_t
     use brz_case, only: body_case_t, label
     use brz_contact, only: law_none, spring_share
     use brz_errors, only: error_t, exit_deck, raise
+    use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp, rk
     use brz_motion, only: velocity_of
+    use brz_particle_marks, only: is_held
     use brz_rigid, only: cross
-    use brz_solid_state, only: body_t, form_rigid, is_held, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: set_up_rigid

@@ -8,7 +8,10 @@ module brz_rigid_steps
     use brz_air_force, only: grip_of, load_of !@cpu
     use brz_drive, only: add_held_impulse !@cpu
     use brz_drive, only: begin_motion, book_drive, end_motion
+    use brz_energy_account, only: ledger_t
+    !@gpu use brz_force_layout, only: at_drag, at_heat, at_stiff
     use brz_force_loops, only: each_sum_region
+    use brz_formulation_names, only: form_rigid
     !@gpu use brz_gpu_solid_books, only: add_held_impulse
     use brz_kinds, only: dp
     use brz_link_rows, only: glue_of, layout_of_pushes, nodes_of !@cpu
@@ -18,8 +21,7 @@ module brz_rigid_steps
     use brz_rigid_motion, only: advance_rigid, rigid_step, settle_rigid
     use brz_rigid_pose, only: pose_of, push_layout_t, resting_pose
     use brz_solid_books, only: book_drag !@cpu
-    use brz_solid_state, only: form_rigid, ledger_t, solid_t
-    !@gpu use brz_solid_state, only: at_drag, at_heat, at_stiff
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: move_rigid, sum_pushes, balance_rigid, settle_drag

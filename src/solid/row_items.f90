@@ -3,17 +3,18 @@
 module brz_row_items
     use brz_algebra, only: copy_matrix, inverse3, multiply3, to_matrix
     use brz_artificial_stress, only: artificial_none, artificial_stress
+    use brz_body, only: body_t
     use brz_contact_face, only: face_normal, face_past, face_strain, strain_face
+    use brz_formulation_names, only: form_bending, form_corrected_hourglass, form_total
     use brz_gradient, only: piola, shear_limiter
+    use brz_hold_layout, only: held_affine, held_energy, held_stiffness, held_whole, n_held
     use brz_kinds, only: int32, real32, rk
     use brz_link_layout, only: n_press
     use brz_lone_layer, only: face_power
     use brz_material, only: material_t
     use brz_pair_force, only: axial_stiffness
-    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_total, &
-                               held_affine, held_energy, held_stiffness, held_whole, n_held, &
-                               n_pair, pair_affine, pair_zeta, pair_keep, pair_linear, &
-                               pair_quadratic, pair_stress, pair_tilt, pair_volume
+    use brz_pair_layout, only: n_pair, pair_affine, pair_keep, pair_linear, pair_quadratic, &
+        pair_stress, pair_tilt, pair_volume, pair_zeta
     use brz_tension_hold, only: hold_stiffness
     implicit none
     private

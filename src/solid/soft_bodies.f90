@@ -3,13 +3,14 @@
 !> blast: such material stiffens or crushes, the law does not, and the run ends in an impossible
 !> state (docs/materials.md, foam).
 module brz_soft_bodies
+    use brz_body, only: body_t
     use brz_case, only: case_t, label
+    use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp, real32
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, nearest, nearest_ground, &
                                    surface_blast
     use brz_material, only: material_t
     use brz_outlines, only: body_box
-    use brz_solid_state, only: body_t, form_rigid
     use brz_text, only: to_text
     implicit none
     private

@@ -1,11 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> Allocation of the arrays of the particles, for a fresh start and for a restart alike.
 module brz_solid_arrays
+    use brz_body, only: body_t
     use brz_kinds, only: dp, int64, rk
     use brz_contact_face, only: n_face
     use brz_link_layout, only: link_layout_t, link_unit, n_press
+    use brz_particle_groups, only: lanes
     use brz_solid_fields, only: fields_of, fields_t, make_fields, memory_of
-    use brz_solid_state, only: body_t, lanes, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: allocate_solid, bytes_per_particle, number_groups, cut_blocks, group_of

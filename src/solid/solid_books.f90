@@ -2,11 +2,14 @@
 !> Accumulated diagnostics, the books, of bodies that several processes share: each process books
 !> what its particles do.
 module brz_solid_books
+    use brz_energy_account, only: ledger_t
     use brz_exact_sum, only: exact_sums
+    use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
     use brz_move_level, only: lost_level
     use brz_ranks, only: several
-    use brz_solid_state, only: form_rigid, ledger_t, solid_t, worth_threads
+    use brz_solid_state, only: solid_t
+    use brz_threads, only: worth_threads
     implicit none
     private
     public :: books_t, open_all_books, close_all_books, keep_books_of_first, begin_kick

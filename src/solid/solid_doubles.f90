@@ -1,13 +1,15 @@
 ! SPDX-License-Identifier: MIT
 !> Particles at the same place: a deck that lays them is refused.
 module brz_solid_doubles
+    use brz_body, only: body_t
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kinds, only: dp, int64
     use brz_solid_arrays, only: group_of
     use brz_link_rows, only: first_link, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: body_t, solid_t, worth_threads
+    use brz_solid_state, only: solid_t
     use brz_text, only: to_text
+    use brz_threads, only: worth_threads
     implicit none
     private
     public :: refuse_doubles

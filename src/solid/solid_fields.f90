@@ -3,13 +3,17 @@
 !> back, and tests walk it, so that a new field is one line.
 module brz_solid_fields
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr, c_ptr
+    use brz_bond_marks, only: bond_none
     use brz_contact_face, only: face_edge, n_face
+    use brz_formulation_names, only: form_total
+    use brz_hold_layout, only: n_held
     use brz_kinds, only: int16, int32, int64, int8, real32, real64, rk
+    use brz_pair_layout, only: n_pair
     use brz_resize, only: resize
     use brz_solid_columns, only: at_accel, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, tag_bond, tag_limp, tag_fixed, tag_id, tag_joined, tag_ply, tag_support, &
         tag_face, tag_touch, tag_weight
-    use brz_solid_state, only: bond_none, form_total, n_held, n_pair, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: field_t, fields_t, fields_of, make_fields, resize_fields, memory_of, column_of_field

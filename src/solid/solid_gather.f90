@@ -7,12 +7,13 @@ module brz_solid_gather
     use brz_errors, only: failed
     use brz_kinds, only: int64, rk
     use brz_mail, only: mail_t, tell_counts
+    use brz_pair_layout, only: n_pair
     use brz_places, only: parcels_t
     use brz_solid_books, only: books_t, close_all_books, open_all_books
     use brz_solid_fields, only: fields_of, fields_t, make_fields
     use brz_solid_ghosts, only: of_a_checkpoint, send_particles
     use brz_solid_sort, only: sort_body
-    use brz_solid_state, only: n_pair, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: begin_gather, end_gather

@@ -6,6 +6,7 @@
 !> the particles of its body, and is never computed: what others need of it comes by message.
 module brz_solid_ghosts
     use, intrinsic :: iso_c_binding, only: c_loc
+    use brz_hold_layout, only: held_stiffness
     use brz_kinds, only: rk
     use brz_link_layout, only: n_press
     use brz_mail, only: mail_t
@@ -13,7 +14,7 @@ module brz_solid_ghosts
     use brz_places, only: parcels_t
     use brz_ranks, only: ranks_t, several
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_single, memory_of
-    use brz_solid_state, only: held_stiffness, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: refresh_motion, refresh_rows, refresh_press, refresh_bonds, refresh_joined

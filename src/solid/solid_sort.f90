@@ -6,12 +6,15 @@ module brz_solid_sort
         number_of_cell, reach_of_lists
     use brz_drift_loops, only: each_renew_place
     use brz_force_loops, only: each_sum_momentum
+    use brz_formulation_names, only: form_total
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
+    use brz_particle_groups, only: lanes
     use brz_particle_order, only: reorder_particles
     use brz_solid_arrays, only: group_of
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: form_total, lanes, solid_t, worth_threads
+    use brz_solid_state, only: solid_t
+    use brz_threads, only: worth_threads
     implicit none
     private
     public :: choose_lists, mean_velocity, note_positions, renew_places, sort_body

@@ -5,9 +5,11 @@
 !> unloaded body, and the particle is moved by its displacement. A stress is that of a body that is
 !> strained as Hooke says; so it is for linear_elastic alone.
 module brz_start_fields
+    use brz_body, only: body_t
     use brz_case, only: body_case_t, label
     use brz_csv_table, only: read_columns
     use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_formulation_names, only: form_bending, form_corrected_hourglass, form_rigid, form_total
     use brz_hdf5_array, only: h5_read, h5_shape
     use brz_hdf5_file, only: h5_close, h5_open, h5_t
     use brz_kinds, only: dp, int64, real32, rk
@@ -15,8 +17,7 @@ module brz_start_fields
     use brz_nearest_point, only: nearest_point
     use brz_particle_file, only: read_triples
     use brz_row_order, only: order_rows
-    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, &
-        form_rigid, form_total, solid_t
+    use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none
     private

@@ -2,7 +2,7 @@
 !> Supports: in which directions a particle is held (single-point constraints).
 module brz_support
     use brz_kinds, only: int32, rk
-    use brz_solid_state, only: is_held
+    use brz_particle_marks, only: is_held
     implicit none
     private
     public :: held_share, is_kept, kept_along, driven_by, is_driven

@@ -6,13 +6,14 @@
 !> total-Lagrangian body dx/dX is singular, and there is no stress at all.
 module brz_thin_bodies
     use brz_bar_layers, only: layers_across
+    use brz_body, only: body_t
     use brz_body_shape, only: shape_t
     use brz_case, only: case_t, interaction_case_t, is_held_whole, label
     use brz_errors, only: error_t, exit_deck, raise
+    use brz_formulation_names, only: form_rigid, form_total
     use brz_interaction_setup, only: find_rule
     use brz_kinds, only: dp, real32
     use brz_material, only: class_fluid, material_t
-    use brz_solid_state, only: body_t, form_rigid, form_total
     use brz_text, only: to_text
     implicit none
     private

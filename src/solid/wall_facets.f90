@@ -8,12 +8,13 @@
 !>
 !> Source: docs/blast.md, loads without air
 module brz_wall_facets
+    use brz_body, only: body_t
     use brz_body_shape, only: axis_of, layers_of, shape_t
     use brz_case, only: body_case_t
     use brz_face_load, only: facets_t, lay_out
     use brz_kinds, only: dp
     use brz_layered_wall, only: ring_of, turned_place
-    use brz_solid_state, only: body_t, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: find_wall_facets

@@ -12,13 +12,15 @@
 !>
 !> Source: docs/solid.md section 8
 module brz_wide_lattice
+    use brz_body, only: body_t
     use brz_body_shape, only: shape_t
     use brz_case, only: body_case_t, label
     use brz_errors, only: error_t, exit_deck, raise
+    use brz_formulation_names, only: form_total
     use brz_hourglass_axes, only: lay_axes
     use brz_kinds, only: dp, rk
     use brz_material, only: material_t
-    use brz_solid_state, only: body_t, form_total, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: settle_lattice, unloaded_place, is_wide

@@ -3,14 +3,16 @@
 !> products of an explosive from which nothing comes as far as bodies and gauges.
 module brz_advice_air
     use brz_advice_text, only: length_text, millimetres, say_advice, say_more, time_text
+    use brz_body, only: body_t
     use brz_case, only: body_case_t, case_t, is_from_file
+    use brz_formulation_names, only: form_rigid
     use brz_outlines, only: body_box
     use brz_early, only: early_t
     use brz_kinds, only: dp, real32
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, nearest
     use brz_material, only: class_elastic, class_metal, material_t
     use brz_scene_size, only: count_text
-    use brz_solid_state, only: body_t, form_rigid, solid_t
+    use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     use brz_work, only: cell_seconds, particle_seconds, work_t
     implicit none

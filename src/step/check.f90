@@ -4,6 +4,8 @@ module brz_check
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
     use brz_advice, only: print_advice
     use brz_air_setup, only: time_step_ramp
+    use brz_body, only: body_t
+    use brz_formulation_names, only: form_bending, form_names, form_rigid, form_total
     use brz_meeting_speed, only: meeting_speed
     use brz_case, only: body_case_t, case_t
     use brz_outlines, only: body_box
@@ -17,14 +19,14 @@ module brz_check
     use brz_gauges, only: gauges_t, set_up_gauges
     use brz_kinds, only: dp, real32, rk
     use brz_material_report, only: material_report
+    use brz_particle_marks, only: is_held
     use brz_print_early, only: is_too_early
     use brz_run_ranks, only: print_ranks, print_regions
     use brz_scene_size, only: count_text, memory_text, scene_size_t
     use brz_screen, only: say
     use brz_simulation, only: simulation_t
     use brz_solid_arrays, only: bytes_per_particle
-    use brz_solid_state, only: body_t, form_bending, form_names, form_rigid, form_total, &
-                               is_held, solid_t
+    use brz_solid_state, only: solid_t
     use brz_tension_hold, only: kappa_of
     use brz_solid_start, only: solid_time_step
     use brz_text, only: to_text

@@ -10,10 +10,11 @@ module brz_scene_size
     use brz_boxes, only: cells_t, crowd_t
     use brz_case, only: air_case_t, case_t
     use brz_errors, only: error_t, exit_deck, exit_device, failed, raise
+    use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp, int64, real32, rk
     use brz_memory, only: free_memory
     use brz_solid_arrays, only: allocate_solid, bytes_per_particle
-    use brz_solid_state, only: form_rigid, solid_t
+    use brz_solid_state, only: solid_t
     use brz_ranks, only: ranks_t
     use brz_text, only: to_text
     implicit none

@@ -8,11 +8,12 @@
 !> the others of their body.
 module brz_solid_leaving_steps
     use brz_air_force, only: load_of !@cpu
+    use brz_formulation_names, only: form_rigid, form_total
     !@gpu use brz_gpu_solid_contact, only: find_press
     use brz_leaving_loops, only: each_leave_region, each_let_go, each_stay_pressed, each_take_out
     use brz_link_rows, only: joined_of !@cpu
     use brz_solid_contact, only: find_press !@cpu
-    use brz_solid_state, only: form_rigid, form_total, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: remove_left

@@ -3,10 +3,12 @@
 module brz_work
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_advice_text, only: time_text
+    use brz_body, only: body_t
+    use brz_formulation_names, only: form_bending, form_corrected, form_rigid, form_total, &
+        form_uncorrected
     use brz_kinds, only: dp
     use brz_material, only: material_t
-    use brz_solid_state, only: body_t, form_bending, form_corrected, form_rigid, form_total, &
-                               form_uncorrected, solid_t
+    use brz_solid_state, only: solid_t
     use omp_lib, only: omp_get_max_threads
     implicit none
     private

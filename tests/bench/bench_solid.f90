@@ -14,12 +14,13 @@ program bench_solid
     use brz_case, only: case_t, material_case_t
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp, int64, rk
+    use brz_particle_groups, only: lanes
     use brz_solid_arrays, only: bytes_per_particle
     use brz_solid_forces, only: force_pass
     use brz_solid_gradients, only: gradient_pass
     use brz_solid_arrays, only: group_of
     use brz_solid_list_steps, only: build_neighbours
-    use brz_solid_state, only: lanes, solid_t
+    use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step, start_solid
     use brz_solid_steps, only: solid_step
     use omp_lib, only: omp_get_max_threads, omp_get_wtime, omp_set_num_threads

@@ -7,6 +7,7 @@ module gpu_coupled_scene
     use brz_coupling_state, only: coupling_t
     use brz_device, only: copy_in, device_t
     use brz_errors, only: error_t, failed
+    use brz_formulation_names, only: form_rigid
     use brz_gas, only: to_conserved
     use brz_gpu_air_state, only: bytes_of_real, open_gpu_air
     use brz_gpu_air_sums, only: gpu_air_totals
@@ -15,7 +16,7 @@ module gpu_coupled_scene
     use brz_gpu_debt_steps, only: gpu_ledger_totals => ledger_totals
     use brz_gpu_lists, only: at_least
     use brz_kinds, only: dp, int64, int8, rk
-    use brz_solid_state, only: form_rigid, solid_t
+    use brz_solid_state, only: solid_t
     use gpu_tools, only: get_device
     implicit none
     private

@@ -73,7 +73,7 @@ STUBS = """module brz_errors
     type :: error_t
     end type
 end module
-module brz_solid_state
+module brz_threads
     integer, parameter :: worth_threads = 10
 end module
 module brz_ranks

@@ -3,9 +3,11 @@
 module layered_bodies
     use brz_body_setup, only: set_up_solid
     use brz_errors, only: failed
+    use brz_formulation_names, only: form_corrected_hourglass
     use brz_kinds, only: dp, rk
+    use brz_pair_layout, only: pair_affine
     use brz_solid_gradients, only: gradient_pass
-    use brz_solid_state, only: form_corrected_hourglass, pair_affine, solid_t
+    use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step, start_solid
     use brz_solid_steps, only: solid_step
     use solid_scenes, only: metal, noise, solid_scene_t
