@@ -53,10 +53,8 @@ FAMILIES := $(sort $(foreach f,$(CUDA),$(firstword $(subst _, ,$(basename $(notd
 VARIED := $(foreach f,$(FAMILIES),$(if $(shell grep -lsE '^ *!@kernel [^*]+$$' cuda/$f*.CUF),$f))
 VARIANTS := $(shell grep -ls '^ *!@variant' $(SRC))
 FOREIGN := $(shell grep -ls '^ *!@foreign' $(SRC))
-MIRRORED := $(shell grep -ls '^ *!@mirror' $(SRC))
 REWRITTEN := $(VARIANTS) $(FOREIGN)
-STEPS := $(shell grep -ls 'scripts/steps.py' $(filter %_steps.f90,$(SRC)))
-LOOPS := $(addprefix $(MADE)/,$(notdir $(REWRITTEN))) $(patsubst %,$(MADE)/gpu_%,$(notdir $(STEPS) $(MIRRORED))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
+LOOPS := $(addprefix $(MADE)/,$(notdir $(REWRITTEN))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
          $(if $(MODELS),$(MADE)/model_list.f90 $(MADE)/flow_list.f90)
 OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN) $(REWRITTEN),$(SRC)) $(LOOPS))) $(B)/obj/presets.o \
         $(if $(COVERAGE),$(B)/obj/tests/coverage.o)
@@ -68,7 +66,7 @@ KERNELS := $(CUDA) $(ITEM_NAMES:%=$(MADE)/%_kernels.CUF) $(VARIED:%=$(MADE)/%_va
 PARTS_OF_KERNELS := $(wildcard cuda/*.ll)
 PTX  := $(BIN).ptx
 # what the GPU code is made from; the executable refuses a PTX file of other sources
-DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(CUDA) $(PARTS_OF_KERNELS) scripts/item_heads.py scripts/items.py scripts/kernels.py scripts/models.py
+DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(CUDA) $(PARTS_OF_KERNELS) scripts/item_heads.py scripts/loops.py scripts/models.py
 STAMP := $(shell cat $(DEVICE) scripts/cuda_fortran.py | sha1sum | cut -c 1-16)
 SAVE := scripts/write_if_changed.sh
 
@@ -96,19 +94,13 @@ $(EMULATOR): $(DEVICE) $(KERNELS) scripts/gpu_emulate.py $(wildcard tests/gpu/em
 	$(call say,emulate $@)
 	$(Q)$(PY) scripts/gpu_emulate.py --work build/gpu/emulated$(KIND) --out $@ \
 	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(SRC) $(KERNELS) >/dev/null
-$(foreach f,$(sort $(dir $(ITEMS))),$(eval $(MADE)/%_loops.f90 $(MADE)/%_kernels.CUF $(MADE)/%_launches.f90: $f%_items.f90 scripts/items.py scripts/item_heads.py ; \
-    @mkdir -p $(MADE) && scripts/items.py $$< $(MADE)))
+$(foreach f,$(sort $(dir $(ITEMS))),$(eval $(MADE)/%_loops.f90 $(MADE)/%_kernels.CUF $(MADE)/%_launches.f90: $f%_items.f90 scripts/loops.py scripts/item_heads.py ; \
+    @mkdir -p $(MADE) && scripts/loops.py $(MADE) $$<))
 $(foreach f,$(FAMILIES),$(eval $(MADE)/$f_launches.f90 $(if $(filter $f,$(VARIED)),$(MADE)/$f_variants.CUF) &: \
-    $(wildcard cuda/$f*.CUF) scripts/kernels.py scripts/items.py scripts/item_heads.py ; \
-    @mkdir -p $(MADE) && scripts/kernels.py $f $(MADE) $(wildcard cuda/$f*.CUF)))
+    $(wildcard cuda/$f*.CUF) scripts/loops.py scripts/item_heads.py ; \
+    @mkdir -p $(MADE) && scripts/loops.py $(MADE) $f $(wildcard cuda/$f*.CUF)))
 $(foreach f,$(VARIANTS),$(eval $(MADE)/$(notdir $f): $f scripts/variants.py ; @mkdir -p $(MADE) && scripts/variants.py $$< $$@))
 $(foreach f,$(FOREIGN),$(eval $(MADE)/$(notdir $f): $f scripts/foreign.py ; @mkdir -p $(MADE) && scripts/foreign.py $$< $$@))
-$(foreach f,$(MIRRORED),$(eval $(MADE)/gpu_$(notdir $f): $f scripts/mirror.py scripts/item_heads.py ; @mkdir -p $(MADE) && scripts/mirror.py $$< $$@))
-# (steps are written anew where the head of an item changes, not where its body does)
-$(MADE)/heads: $(ITEMS)
-	@awk 'FNR == 1 {print FILENAME} /!@item/ {on = 1} /^ *$$/ {on = 0} on' $^ | $(SAVE) $@
-$(foreach f,$(STEPS),$(eval $(MADE)/gpu_$(notdir $f): $f $(MADE)/heads scripts/steps.py scripts/item_heads.py ; \
-    @mkdir -p $(MADE) && scripts/steps.py $$< $$@))
 $(MADE)/model_list.f90 $(MADE)/flow_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py
 	@mkdir -p $(MADE) && scripts/models.py $(MADE) $(MODELS)
 $(B)/obj/%.o: %.f90 $(B)/command

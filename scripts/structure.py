@@ -33,7 +33,7 @@ LAYERS = [
     {"air", "solid"},
     {"coupling"},
 ]
-LAYERS += [{"cpu", "gpu"}, {"output"}, {"step"}, {"main"}]
+LAYERS += [{"cpu", "gpu"}, {"driver"}, {"output"}, {"step"}, {"main"}]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 MAX_FILE, MAX_PROCEDURE, MAX_ARGUMENTS = 600, 80, 12
 MAX_CODE, MAX_PROSE = 100, 120
@@ -42,7 +42,7 @@ OTHERS = ("Makefile", "*.mk", "*.sh", "*.c", "*.ll", "*.html", "*.js", "*.css")
 # vector code of the CPU, whose kernels are cut in another way; what a GPU alone has to be told
 ALONE = {"cpu": "air_activity air_lines air_riemann air_split air_sweep coupling_paper"}
 ALONE["cpu"] += " solid_artificial solid_gradient_sums solid_lanes solid_pair_sums solid_tilts"
-ALONE["gpu"] = "common peers coupling_copy solid_bodies solid_copy solid_layout solid_lists"
+ALONE["gpu"] = "common peers solid_bodies solid_copy solid_layout solid_lists"
 ALONE["gpu"] += " solid_load"
 LICENCE = "SPDX-License-Identifier: MIT"
 

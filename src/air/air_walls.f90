@@ -7,6 +7,7 @@ module brz_air_walls
     use brz_air_grid, only: cell_at, grid_of, grid_t
     use brz_air_state, only: air_t, bc_inside, bc_periodic, cut_t, n_ghost, wall_t
     use brz_grid_lines, only: block_of, n_blocks
+    use brz_errors, only: error_t
     use brz_kinds, only: int32, int8, rk
     use brz_lists, only: at_least, running_sum
     use brz_scheme, only: reach_of
@@ -51,6 +52,7 @@ contains
         type(wall_t), intent(inout) :: wall
         integer(int32), allocatable :: cell(:), gas(:), rows(:), start(:)
         type(grid_t) :: grid
+        type(error_t) :: none !! nothing fails on the host
         integer :: c, d, n
 
         grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
@@ -69,13 +71,13 @@ contains
         end do
         allocate (start(n + 1))
         call each_count_faces(n, grid, cell, wall%solid, start)
-        call running_sum(start, n, wall%n_faces)
-        call at_least(wall%v, 3, n)
+        call running_sum(.false., start, n, none, wall%n_faces)
+        call at_least(.false., wall%v, 3, n, none)
         wall%v = 0
-        call at_least(wall%face_of, 6, n)
-        call at_least(wall%face_cell, wall%n_faces)
-        call at_least(wall%push, wall%n_faces)
-        call at_least(wall%impulse, wall%n_faces)
+        call at_least(.false., wall%face_of, 6, n, none)
+        call at_least(.false., wall%face_cell, wall%n_faces, none)
+        call at_least(.false., wall%push, wall%n_faces, none)
+        call at_least(.false., wall%impulse, wall%n_faces, none)
         allocate (gas(wall%n_faces), rows(wall%n_faces))
         call each_list_faces(n, grid, cell, wall%solid, start, wall%face_of, gas, rows, &
                              wall%face_cell)
@@ -89,12 +91,13 @@ contains
         integer(int32), intent(in) :: cell(:) !! numbers of the solid cells among lo..hi
         integer(int32), intent(in) :: gas(:), rows(:) !! gas cell of each wall face, row of face_of
         type(wall_t), intent(inout) :: wall
+        type(error_t) :: none !! nothing fails on the host
         integer :: c, d, f
 
         wall%push = 0
         wall%impulse = 0
-        call at_least(wall%cell, 3, wall%n_cells)
-        call at_least(wall%face, 5, wall%n_faces)
+        call at_least(.false., wall%cell, 3, wall%n_cells, none)
+        call at_least(.false., wall%face, 5, wall%n_faces, none)
         associate (n => wall%hi - wall%lo + 1)
             do c = 1, wall%n_cells
                 wall%cell(:, c) = cell_at(n, cell(c)) + wall%lo - 1

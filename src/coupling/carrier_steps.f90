@@ -1,13 +1,15 @@
 ! SPDX-License-Identifier: MIT
 !> Bodies that carry particles, in the gas: what it does to them, and how they move in its next
-!> step. scripts/steps.py writes the same for the GPU, where it sums over their particles.
+!> step.
 module brz_carrier_steps
-    use brz_carrier_loops, only: each_sum_air_load, each_sum_push, each_sum_shift
+    use brz_carrier_loops, only: for_each_sum_air_load, for_each_sum_push, for_each_sum_shift
     use brz_carrier_motion, only: foresee_carriers, read_carriers
     use brz_carrier_rules, only: carries_all, carries_none, n_push
     use brz_coupling_state, only: coupling_t
+    use brz_device_data, only: update_device_bytes
+    use brz_errors, only: error_t
     use brz_formulation_names, only: form_rigid
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, int64
     use brz_ranks, only: several
     use brz_solid_state, only: solid_t
     implicit none
@@ -17,28 +19,39 @@ module brz_carrier_steps
 contains
 
     !> Motion of the bodies at the step. A rigid body turns about the middle of its cells.
-    subroutine see_carriers(solid, p, c)
-        class(solid_t), intent(in) :: solid !! its bodies
+    subroutine see_carriers(solid, p, c, err)
+        type(solid_t), intent(in) :: solid !! its bodies
         type(solid_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
         integer :: b
 
-        call read_carriers(solid, c%carrier) !@host
+        call read_carriers(solid, c%carrier)
         c%bodies = size(c%carrier)
-        if (.not. several(solid%ranks)) call sum_shifts(solid, p, c)
+        if (.not. several(solid%ranks)) call sum_shifts(solid, p, c, err)
         do b = 1, c%bodies
             if (c%carrier(b)%carries == carries_all) c%carrier(b)%centre = c%carrier(b)%centre &
                 + c%shift(:, b)/solid%bodies(b)%rigid%mass
         end do
-        !@gpu call put_carriers(c)
+        call put_carriers(c, err)
     end subroutine see_carriers
+
+    !> Tell the GPU how the bodies move.
+    subroutine put_carriers(c, err)
+        type(coupling_t), intent(in) :: c
+        type(error_t), intent(inout) :: err
+
+        if (c%on_gpu) call update_device_bytes(c%carrier, &
+            size(c%carrier)*(storage_size(c%carrier)/8_int64), err)
+    end subroutine put_carriers
 
     !> Where the middles of the cells are, against the particles of rigid bodies. On several
     !> processes of the particles that each steps.
-    subroutine sum_shifts(solid, p, c)
-        class(solid_t), intent(in) :: solid
+    subroutine sum_shifts(solid, p, c, err)
+        type(solid_t), intent(in) :: solid
         type(solid_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
         integer :: b
 
         if (.not. allocated(solid%bodies)) return
@@ -46,19 +59,20 @@ contains
         do b = 1, size(solid%bodies)
             if (solid%bodies(b)%formulation /= form_rigid) cycle
             associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
-                call each_sum_shift(last - first + 1, solid%ranks, first, c%box, p%wide, p%x, &
-                                    p%mass, c%shift(:, b))
+                call for_each_sum_shift(c%on_gpu, last - first + 1, solid%ranks, first, c%box, &
+                                        p%wide, p%x, p%mass, c%shift(:, b), err)
             end associate
         end do
     end subroutine sum_shifts
 
     !> Bring the bodies that carry particles to the middle of the coming step, from what the gas
     !> does to each rigid one if that keeps its motion.
-    subroutine move_carriers(solid, p, c, dt)
-        class(solid_t), intent(in) :: solid
+    subroutine move_carriers(solid, p, c, dt, err)
+        type(solid_t), intent(in) :: solid
         type(solid_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! of the air [s]
+        type(error_t), intent(inout) :: err
         real(dp) :: push(n_push, size(c%carrier))
         integer :: b
 
@@ -67,30 +81,31 @@ contains
         do b = 1, c%bodies
             if (c%carrier(b)%carries /= carries_all) cycle
             associate (first => c%carrier(b)%first, last => c%carrier(b)%last)
-                call each_sum_push(last - first + 1, solid%ranks, first, c%box, c%carrier(b), &
-                                   p%wide, c%cell_of, c%place_of, c%above, c%gas, c%rows, &
-                                   c%surface, c%weight, c%force, c%impedance, p%x, p%mass, &
-                                   push(:, b))
+                call for_each_sum_push(c%on_gpu, last - first + 1, solid%ranks, first, c%box, &
+                                       c%carrier(b), p%wide, c%cell_of, c%place_of, c%above, &
+                                       c%gas, c%rows, c%surface, c%weight, c%force, c%impedance, &
+                                       p%x, p%mass, push(:, b), err)
             end associate
         end do
-        call foresee_carriers(solid, push, dt, c%carrier) !@host
-        !@gpu call put_carriers(c)
+        call foresee_carriers(solid, push, dt, c%carrier)
+        call put_carriers(c, err)
     end subroutine move_carriers
 
     !> Force and torque of the air on the bodies that carry particles, from the loads of these.
-    subroutine sum_loads(solid, p, c, load)
-        class(solid_t), intent(in) :: solid
-        type(solid_t), intent(in) :: p
+    subroutine sum_loads(solid, c, load, err)
+        type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: c
         real(dp), intent(out) :: load(6, c%bodies) !! [N], [N m]
+        type(error_t), intent(inout) :: err
         integer :: b
 
         load = 0
         do b = 1, size(solid%bodies)
             if (c%carrier(b)%carries == carries_none) cycle
-            associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
-                call each_sum_air_load(last - first + 1, solid%ranks, first, c%box, c%carrier(b), &
-                                       p%wide, p%step_d, p%step_p, p%fixed, p%x, p%load, load(:, b))
+            associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)
+                call for_each_sum_air_load(c%on_gpu, last - first + 1, solid%ranks, first, c%box, &
+                                           c%carrier(b), solid%wide, solid%step_d, solid%step_p, &
+                                           solid%fixed, solid%x, solid%load, load(:, b), err)
             end associate
         end do
     end subroutine sum_loads

@@ -6,6 +6,7 @@ module brz_coupling_gather
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: books_of_all
     use brz_debt_steps, only: size_debts
+    use brz_errors, only: error_t
     use brz_kinds, only: dp, int64, rk
     use brz_mail, only: mail_t, make_room, post, put_numbers, take_numbers, tell_counts
     use brz_ranks, only: ranks_t
@@ -54,6 +55,7 @@ contains
         real(dp), allocatable :: there(:, :)
         integer, allocatable :: order(:)
         type(mail_t) :: mail
+        type(error_t) :: none !! nothing fails on the host
         integer :: e, n, r, rows
 
         rows = coupling%n_var + 1
@@ -79,7 +81,7 @@ contains
         end do
         allocate (order(n))
         call order_rows(there(1:1, :), order)
-        call size_debts(all, n)
+        call size_debts(all, n, none)
         all%n_debts = n
         all%debt_cell(:n) = nint(there(1, order))
         all%debt(:, :n) = real(there(2:, order), rk)
@@ -102,6 +104,7 @@ contains
         type(coupling_t), intent(in) :: all
         type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: coupling
+        type(error_t) :: none
         integer :: e, i, ijk(3)
 
         do i = 1, solid%n
@@ -109,7 +112,7 @@ contains
         end do
         coupling%dt_before = all%dt_before
         coupling%n_debts = 0
-        call size_debts(coupling, all%n_debts)
+        call size_debts(coupling, all%n_debts, none)
         do e = 1, all%n_debts
             ijk = cell_at(coupling%box%whole, all%debt_cell(e)) - coupling%box%before
             if (any(ijk < 1 .or. ijk > coupling%box%n)) cycle

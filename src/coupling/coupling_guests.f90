@@ -1,19 +1,22 @@
 ! SPDX-License-Identifier: MIT
-!> The coupling halo of processes (windows of the air), and ghost exchange with it (guests): see
-!> brz_guest_steps.
+!> Guests on their way between processes: see brz_guest_steps.
 module brz_coupling_guests
     use brz_air_part, only: window_of
     use brz_air_state, only: air_t
     use brz_boxes, only: widened
     use brz_coupling_state, only: coupling_t
-    use brz_fetch, only: fetch
-    use brz_kinds, only: dp
-    use brz_solid_fields, only: fields_of, fields_t
-    use brz_solid_ghosts, only: for_the_air, of_air_motion, send_particles
+    use brz_errors, only: error_t, failed
+    use brz_kinds, only: int64
+    use brz_record_rules, only: w => words_of_real
+    use brz_rows, only: rows_of, rows_t
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: open_windows, see_window, send_guests
+    public :: open_windows, find_runs, send_guests
+
+    integer, parameter :: most_runs = 4 !! bodies whose particles are copied one by one
+    integer, parameter :: n_known = 7 !! arrays of a guest
+    integer, parameter :: n_moving = 4 !! those of them that change in a step
 
 contains
 
@@ -42,24 +45,70 @@ contains
         allocate (coupling%guests, source=coupling%crowd)
     end subroutine open_windows
 
-    !> Bring the gas and the ledgers in the window of this process up to date.
-    subroutine see_window(air)
-        type(air_t), intent(inout) :: air
+    !> Where the particles lie that a process has for itself, if these are all of a few bodies: a
+    !> GPU copies them as they lie.
+    subroutine find_runs(solid, out, in, c, err)
+        type(solid_t), intent(in) :: solid
+        integer(int64), intent(in) :: out(:, :), in(:, :) !! (bodies, processes) that go, and come
+        type(coupling_t), intent(inout) :: c
+        type(error_t), intent(in) :: err
+        integer :: me, n(size(out, 1)), whole(size(out, 1)), from(size(out, 1)), to(size(out, 1))
 
-        call fetch(air%part%ranks, air%part%window, air%n_var, air%before + 1 - air%g, &
-                   air%before + air%n + air%g, air%u)
-    end subroutine see_window
+        if (failed(err)) return
+        me = c%ranks%rank + 1
+        n = int(out(:, me))
+        whole = solid%bodies%last - solid%bodies%first + 1
+        associate (part => c%part)
+            if (allocated(part%out%run)) deallocate (part%out%run, part%in%run)
+            if (count(n > 0) > most_runs .or. any(n > 0 .and. n < whole)) return
+            from = solid%bodies%first
+            to = c%guests%bodies%first + int(sum(in(:, :me - 1), 2))
+            part%out%run = listed(from)
+            part%in%run = listed(to)
+        end associate
+
+    contains
+
+        !> Runs of bodies from these places.
+        pure function listed(first) result(run)
+            integer, intent(in) :: first(:)
+            integer, allocatable :: run(:, :)
+
+            run = transpose(reshape([pack(first, n > 0), pack(n, n > 0)], [count(n > 0), 2]))
+        end function listed
+    end subroutine find_runs
 
     !> Send what the copies have of their particles.
-    subroutine send_guests(p, coupling, all_of_it)
-        type(solid_t), intent(inout), target :: p
-        type(coupling_t), intent(inout), target :: coupling
+    subroutine send_guests(solid, c, all_of_it, err)
+        type(solid_t), intent(in), target :: solid
+        type(coupling_t), intent(inout), target :: c
         logical, intent(in) :: all_of_it !! else what changes in a step
-        type(fields_t) :: from, to
+        type(error_t), intent(inout) :: err
+        type(rows_t) :: from(n_known + 1), to(n_known + 1)
+        integer :: n
 
-        call fields_of(p, from)
-        call fields_of(coupling%guests, to)
-        call send_particles(coupling%ranks, merge(for_the_air, of_air_motion, all_of_it), from, &
-                            coupling%part%out, to, coupling%part%in, coupling%part%parcels%mail)
+        call list_rows(c%on_gpu, solid, rows_of(c%on_gpu, solid%v_before, w, 3, solid%step_d), from)
+        call list_rows(c%on_gpu, c%guests, rows_of(c%on_gpu, c%guests%v_before, 3*w), to)
+        n = n_moving
+        if (all_of_it) n = merge(n_known, n_known + 1, c%on_gpu)
+        call c%part%parcels%send(c%part%out, c%part%in, from(:n), to(:n), err)
     end subroutine send_guests
+
+    !> What of a particle its copies have. Walls are emptied before a GPU takes over: it needs no
+    !> volumes.
+    subroutine list_rows(on_gpu, p, v_before, rows)
+        logical, intent(in) :: on_gpu
+        type(solid_t), intent(in), target :: p
+        type(rows_t), intent(in) :: v_before
+        type(rows_t), intent(out) :: rows(n_known + 1)
+
+        rows(1) = rows_of(on_gpu, p%x, 6, pitch=2*p%wide)
+        rows(2) = rows_of(on_gpu, p%v, 3*w, pitch=p%wide*w)
+        rows(3) = rows_of(on_gpu, p%load, w, 3, p%step_d)
+        rows(4) = rows_of(on_gpu, p%fixed, 1)
+        rows(5) = v_before
+        rows(6) = rows_of(on_gpu, p%mass, w)
+        rows(7) = rows_of(on_gpu, p%id, 1)
+        if (.not. on_gpu) rows(8) = rows_of(.false., p%volume, w)
+    end subroutine list_rows
 end module brz_coupling_guests

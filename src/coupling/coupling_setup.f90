@@ -9,9 +9,10 @@ module brz_coupling_setup
     use brz_case, only: case_t
     use brz_cell_shells, only: make_shells
     use brz_coupling_box, only: box_t
-    use brz_coupling_guests, only: open_windows, see_window
+    use brz_coupling_guests, only: open_windows
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: move_walls
+    use brz_coupling_windows, only: see_window
     use brz_debt_steps, only: enter_debts, size_debts
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_event_steps, only: put_up_walls
@@ -55,6 +56,7 @@ contains
         real(rk), intent(in) :: spread !! depth over which a load is spread, in air cells
         real(rk), intent(in) :: reference_pressure !! taken off every load [Pa]
         type(coupling_t), intent(out) :: coupling
+        type(error_t) :: none !! nothing fails on the host
         integer :: n(3)
 
         coupling%present = .true.
@@ -76,10 +78,10 @@ contains
         coupling%wall%hi = coupling%wall%lo + n - 1
         if (several(solid%ranks)) then
             call open_windows(air, solid, coupling)
-            call put_windows(coupling)
+            call put_windows(coupling, none)
             call restart_coupling(air, solid, coupling)
             call empty_walls(air, coupling%guests, coupling)
-            call see_window(air)
+            call see_window(air, coupling, .false., none)
         else
             allocate (coupling%cell_of(solid%n), coupling%place_of(solid%n), &
                       coupling%binned(solid%n))
@@ -201,11 +203,12 @@ contains
         type(air_t), intent(inout) :: air
         type(solid_t), intent(inout) :: solid !! read
         type(coupling_t), intent(inout) :: coupling
+        type(error_t) :: none
 
         if (several(solid%ranks)) then
             coupling%part%rebuilds = -1 ! none are listed
-            call invite_guests(solid, solid, coupling)
-            call see_window(air)
+            call invite_guests(solid, coupling, none)
+            call see_window(air, coupling, .false., none)
             call begin_walls(air, coupling%crowd, coupling%guests, coupling)
         else
             call begin_walls(air, solid, solid, coupling)
@@ -217,17 +220,18 @@ contains
         type(solid_t), intent(in) :: solid !! bodies
         type(solid_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: coupling
+        type(error_t) :: none
 
         coupling%cell_of = -1
         ! from none: a checkpoint has a map, and not the lists that belong to it
         coupling%wall%n_cells = 0
         coupling%wall%solid = 0
         coupling%wall%index = 0
-        call put_up_walls(air, p, coupling)
+        call put_up_walls(air, p, coupling, none)
         coupling%rebuilds = solid%rebuilds
-        call move_walls(solid, p, coupling)
+        call move_walls(solid, p, coupling, none)
         coupling%slot = 0
-        call size_debts(coupling, 0)
-        call enter_debts(coupling)
+        call size_debts(coupling, 0, none)
+        call enter_debts(coupling, none)
     end subroutine begin_walls
 end module brz_coupling_setup

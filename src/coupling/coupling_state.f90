@@ -11,16 +11,15 @@ module brz_coupling_state
     use brz_cell_shells, only: shells_t
     use brz_column_rules, only: side_of
     use brz_coupling_box, only: box_t
+    use brz_coupling_device, only: coupling_device_t, n_sums
     use brz_coupling_part, only: coupling_part_t
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_ranks, only: ranks_t
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: coupling_t, coupling_known_t, coupling_books_t, side_of, sums_in, put_sums
+    public :: coupling_t, coupling_books_t, side_of, sums_in, put_sums
     public :: n_sums
-
-    integer, parameter :: n_sums = 11 !! numbers in a row of sums_in
 
     !> What the air has given to the bodies, and other sums over all steps.
     type :: coupling_books_t
@@ -35,8 +34,11 @@ module brz_coupling_state
         real(rk) :: ledger_high = 0 !! largest, likewise
     end type coupling_books_t
 
-    !> What the host knows of the coupling, wherever it is computed.
-    type :: coupling_known_t
+    type :: coupling_t
+        logical :: present = .false.
+        logical :: on_gpu = .false.
+        !! it is computed there: walls, velocities before and debts are fetched
+        type(coupling_device_t), pointer :: device => null() !! what it has there besides
         type(ranks_t) :: ranks !! of the air
         integer :: n_var = 5 !! conserved variables of the air
         type(box_t) :: box !! of the air
@@ -48,10 +50,6 @@ module brz_coupling_state
         integer :: bodies = 0 !! that may carry particles
         real(dp) :: dt_before = 0 !! last step of the air, 0: none yet [s]
         type(coupling_books_t) :: books
-    end type coupling_known_t
-
-    type, extends(coupling_known_t) :: coupling_t
-        logical :: present = .false.
         logical :: paper = .false. !! as the paper prints it, see brz_coupling_paper
         real(rk) :: spread = 1.5_rk !! depth over which a load is spread, in air cells
         real(rk) :: reference_pressure = 0 !! taken off every load [Pa]

@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> The immersed boundary between air and solids: what the coupling does before and after a step of
 !> the air, the operations in their order.
-!> scripts/steps.py writes the same for the GPU.
 module brz_coupling_steps
     use brz_air_state, only: air_t
     use brz_carrier_steps, only: move_carriers, see_carriers
     use brz_coupling_state, only: coupling_t
     use brz_debt_steps, only: level_ledgers, limit_ledgers, release_debts
+    use brz_errors, only: error_t
     use brz_kinds, only: dp, int32, rk
     use brz_solid_state, only: solid_t
     use brz_wall_steps, only: feel_gas, find_mean_velocity, push_walls, weigh_columns
@@ -18,43 +18,46 @@ contains
 
     !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
     !> carries them, else as it is kept, half a step before.
-    subroutine move_walls(solid, p, c)
-        class(solid_t), intent(in) :: solid !! its bodies
+    subroutine move_walls(solid, p, c, err)
+        type(solid_t), intent(in) :: solid !! its bodies
         type(solid_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
 
-        call see_carriers(solid, p, c)
-        call find_mean_velocity(p, c)
+        call see_carriers(solid, p, c, err)
+        call find_mean_velocity(p, c, err)
     end subroutine move_walls
 
     !> Velocities of the walls in the middle of the coming step, where that of a particle a step
     !> ago is a column of v_before. Walls and carriers are as move_walls left them.
-    subroutine find_velocities(air, solid, p, c, dt, v_before, column)
+    subroutine find_velocities(air, solid, p, c, dt, v_before, column, err)
         type(air_t), intent(in) :: air
-        class(solid_t), intent(in) :: solid
+        type(solid_t), intent(in) :: solid
         type(solid_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
         real(rk), intent(in) :: v_before(:, :) !! [m/s]
         integer(int32), intent(in) :: column(:) !! of each particle in it
+        type(error_t), intent(inout) :: err
 
-        call weigh_columns(p, c)
-        call feel_gas(air, c)
-        call move_carriers(solid, p, c, dt)
-        call push_walls(p, c, dt, v_before, column)
+        call weigh_columns(p, c, err)
+        call feel_gas(air, c, err)
+        call move_carriers(solid, p, c, dt, err)
+        call push_walls(p, c, dt, v_before, column, err)
     end subroutine find_velocities
 
     !> Ledgers and debts after a step. The walls move on, too: the next step, and how long it is,
     !> depend on these alone, so that a restart finds the same.
-    subroutine settle_ledgers(air, solid, p, c)
+    subroutine settle_ledgers(air, solid, p, c, err)
         type(air_t), intent(inout) :: air
-        class(solid_t), intent(in) :: solid
+        type(solid_t), intent(in) :: solid
         type(solid_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
 
-        call level_ledgers(air, c)
-        call limit_ledgers(air, c)
-        call release_debts(air, c)
-        call move_walls(solid, p, c)
+        call level_ledgers(air, c, err)
+        call limit_ledgers(air, c, err)
+        call release_debts(air, c, err)
+        call move_walls(solid, p, c, err)
     end subroutine settle_ledgers
 end module brz_coupling_steps

@@ -1,22 +1,23 @@
 ! SPDX-License-Identifier: MIT
 !> What the coupling does in a step, on one process and on several: velocities of the walls, loads
-!> of the particles, cells that change hands. scripts/steps.py writes the same for the GPU.
+!> of the particles, cells that change hands.
 module brz_exchange_steps
     use brz_air_state, only: air_t
     use brz_carrier_steps, only: sum_loads
-    use brz_coupling_guests, only: see_window !@cpu
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: find_velocities
+    use brz_coupling_windows, only: offer_window, see_window
+    use brz_errors, only: error_t
     use brz_event_steps, only: move_on
     use brz_guest_steps, only: invite_guests, send_loads_home
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least, clear_list, read_first
-    use brz_load_loops, only: each_feel_load
+    use brz_load_loops, only: for_each_feel_load
     use brz_ranks, only: several, sum_of_all
     use brz_shared_steps, only: share_debts, share_impulses
     use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: solid_t
-    use brz_velocity_loops, only: each_keep_velocity
+    use brz_velocity_loops, only: for_each_keep_velocity
     use brz_wall_steps, only: keep_velocities, press_bodies, stress_faces
     implicit none
     private
@@ -26,20 +27,20 @@ contains
 
     !> Velocities of the walls in the middle of the coming step, from the particles in the solid
     !> cells. On several processes `crowd` has the bodies of the guests.
-    subroutine set_wall_velocity(air, solid, p, c, dt)
+    subroutine set_wall_velocity(air, solid, c, dt, err)
         type(air_t), intent(in) :: air
-        class(solid_t), intent(in) :: solid !! its bodies
-        type(solid_t), intent(in) :: p !! its particles
+        type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
+        type(error_t), intent(inout) :: err !! exit_device where a GPU fails, as everywhere here
 
         if (several(solid%ranks)) then
             associate (before => c%guests%v_before, seat => c%part%seat)
-                call find_velocities(air, c%crowd, c%guests, c, dt, before, seat)
+                call find_velocities(air, c%crowd, c%guests, c, dt, before, seat, err)
             end associate
         else
-            call find_velocities(air, solid, p, c, dt, c%v_before, p%id)
-            call keep_velocities(p, c)
+            call find_velocities(air, solid, solid, c, dt, c%v_before, solid%id, err)
+            call keep_velocities(solid, c, err)
         end if
         c%dt_before = dt
     end subroutine set_wall_velocity
@@ -48,36 +49,37 @@ contains
     !>
     !> The forces of a face add up to its impulse over dt. The columns are those of
     !> set_wall_velocity, before the step of the air.
-    subroutine spread_load(solid, p, c, dt)
-        class(solid_t), intent(inout) :: solid !! its rigid bodies get their loads
-        type(solid_t), intent(inout) :: p !! its particles
+    subroutine spread_load(solid, c, dt, err)
+        type(solid_t), intent(inout) :: solid !! its rigid bodies get their loads
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
+        type(error_t), intent(inout) :: err
 
         if (several(solid%ranks)) then
             ! the guests keep theirs when they are renewed
-            call each_keep_velocity(p%n, p%wide, p%step_d, p%step_p, p%v, c%part%seat, p%v_before)
-            call share_impulses(c)
-            call press_bodies(c%guests, c, dt)
-            call stress_faces(solid, c%guests, c)
-            call send_loads_home(solid, p, c)
+            call for_each_keep_velocity(c%on_gpu, solid%n, solid%wide, solid%step_d, &
+                                        solid%step_p, solid%v, c%part%seat, solid%v_before, err)
+            call share_impulses(c, err)
+            call press_bodies(c%guests, c, dt, err)
+            call stress_faces(solid, c%guests, c, err)
+            call send_loads_home(solid, c, err)
         else
-            call press_bodies(p, c, dt)
-            call stress_faces(solid, p, c)
+            call press_bodies(solid, c, dt, err)
+            call stress_faces(solid, solid, c, err)
         end if
-        call load_carriers(solid, p, c)
+        call load_carriers(solid, c, err)
     end subroutine spread_load
 
     !> Force and torque of the air on the bodies that carry particles.
-    subroutine load_carriers(solid, p, c)
-        class(solid_t), intent(inout) :: solid
-        type(solid_t), intent(in) :: p
+    subroutine load_carriers(solid, c, err)
+        type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
         real(dp) :: load(6, c%bodies)
         integer :: b
 
         if (.not. allocated(solid%bodies)) return
-        call sum_loads(solid, p, c, load)
+        call sum_loads(solid, c, load, err)
         do b = 1, c%bodies
             solid%bodies(b)%rigid%load = load(:, b)
         end do
@@ -85,69 +87,69 @@ contains
 
     !> Wake the bodies with a load beyond rounding on one of their particles, and what they meet.
     !> After spread_load.
-    subroutine wake_loaded(solid, p, c, dt)
-        class(solid_t), intent(inout) :: solid
-        type(solid_t), intent(in) :: p
+    subroutine wake_loaded(solid, c, dt, err)
+        type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! step over which the impulses were added up [s]
+        type(error_t), intent(inout) :: err
         integer :: felt(size(solid%bodies))
         integer(int64) :: all_felt(size(solid%bodies))
 
         if (several(solid%ranks)) then
-            call feel_loads(solid, c%guests, c, dt, felt)
+            call feel_loads(solid, c%guests, c, dt, felt, err)
         else
-            call feel_loads(solid, p, c, dt, felt)
+            call feel_loads(solid, solid, c, dt, felt, err)
         end if
         all_felt = felt
-        call sum_of_all(solid%ranks, all_felt) !@host
+        call sum_of_all(solid%ranks, all_felt)
         solid%bodies%asleep = solid%bodies%asleep .and. all_felt == 0
-        call wake_met(solid) !@host
+        call wake_met(solid)
     end subroutine wake_loaded
 
     !> Which bodies that sleep have a load on one of the particles in cells of this process.
-    subroutine feel_loads(solid, p, c, dt, felt)
-        class(solid_t), intent(in) :: solid
-        type(solid_t), intent(in) :: p
+    subroutine feel_loads(solid, p, c, dt, felt, err)
+        type(solid_t), intent(in) :: solid !! its bodies
+        type(solid_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! [s]
         integer, intent(out) :: felt(size(solid%bodies)) !! 1: yes
+        type(error_t), intent(inout) :: err
         integer :: b
 
-        call at_least(c%felt, size(felt))
-        call clear_list(size(felt), c%felt)
+        call at_least(c%on_gpu, c%felt, size(felt), err)
+        call clear_list(c%on_gpu, size(felt), c%felt, err)
         do b = 1, size(felt)
             if (.not. solid%bodies(b)%asleep) cycle
             associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
-                call each_feel_load(last - first + 1, first, c%box, dt, c%cell_of, c%place_of, &
-                                    c%above, c%wall%impulse, c%felt(b:))
+                call for_each_feel_load(c%on_gpu, last - first + 1, first, c%box, dt, c%cell_of, &
+                                        c%place_of, c%above, c%wall%impulse, c%felt(b:), err)
             end associate
         end do
-        call read_first(size(felt), c%felt, felt)
+        call read_first(c%on_gpu, size(felt), c%felt, felt, err)
     end subroutine feel_loads
 
     !> Bring walls, ledgers and gas up to date with the particles. Once per step of the air.
     !>
     !> Mass, momentum and energy of gas, ledgers and debts together do not change.
-    subroutine reclassify(air, solid, p, c)
+    subroutine reclassify(air, solid, c, err)
         type(air_t), intent(inout) :: air
-        class(solid_t), intent(in) :: solid !! its bodies
-        type(solid_t), intent(inout) :: p !! its particles
+        type(solid_t), intent(inout) :: solid !! read
         type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
 
         if (several(solid%ranks)) then
-            !@gpu call c%part%window%offer_reals(air%grid%apart, air%u)
-            call invite_guests(solid, p, c) ! where all meet
-            call see_window(air) !@cpu
-            !@gpu call c%part%window%take_reals(air%grid%apart, air%u, .true.)
-            call share_debts(c)
-            call move_on(air, c%crowd, c%guests, c)
-            call see_window(air) !@cpu
-            !@gpu call c%part%window%reals_of_others(air%grid%apart, air%u)
+            call offer_window(air, c, err)
+            call invite_guests(solid, c, err) ! where all meet
+            call see_window(air, c, .true., err)
+            call share_debts(c, err)
+            call move_on(air, c%crowd, c%guests, c, err)
+            call see_window(air, c, .false., err)
         else
-            call move_on(air, solid, p, c)
+            call move_on(air, solid, solid, c, err)
         end if
-        !@gpu air%fetched = .false.
+        if (.not. c%on_gpu) return
+        air%device%fetched = .false.
         ! of any process: the books count cells of this one alone
-        !@gpu if (c%n_covered + c%n_uncovered > 0) c%walls_fetched = .false.
+        if (c%n_covered + c%n_uncovered > 0) c%device%walls_fetched = .false.
     end subroutine reclassify
 end module brz_exchange_steps

@@ -1,14 +1,17 @@
 ! SPDX-License-Identifier: MIT
 !> Velocities of the walls in a step, and the loads of the particles behind them: the operations in
-!> their order. scripts/steps.py writes the same for the GPU.
+!> their order.
 module brz_wall_steps
     use brz_air_state, only: air_t
-    use brz_column_loops, only: each_bear_load, each_book_face, each_feel_gas, &
-        each_load_particle, each_press_face, each_weigh_column
+    use brz_column_loops, only: for_each_bear_load, for_each_book_face, for_each_feel_gas, &
+        for_each_load_particle, for_each_press_face, for_each_weigh_column
+    use brz_coupling_device, only: book_at, book_work
     use brz_coupling_state, only: coupling_t
+    use brz_errors, only: error_t
     use brz_kinds, only: dp, int32, rk
     use brz_solid_state, only: solid_t
-    use brz_velocity_loops, only: each_keep_velocity, each_mean_velocity_of, each_push_wall
+    use brz_velocity_loops, only: for_each_keep_velocity, for_each_mean_velocity_of, &
+        for_each_push_wall
     implicit none
     private
     public :: find_mean_velocity, weigh_columns, feel_gas, push_walls, keep_velocities, press_bodies
@@ -18,93 +21,104 @@ contains
 
     !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
     !> carries them, else as it is kept, half a step before. The carriers must be there.
-    subroutine find_mean_velocity(p, c)
+    subroutine find_mean_velocity(p, c, err)
         type(solid_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
 
-        call each_mean_velocity_of(3*c%wall%n_cells, c%box, p%wide, c%bodies, c%carrier, c%ends, &
-                                   c%binned, p%x, p%v, p%mass, p%fixed, c%wall%v)
+        call for_each_mean_velocity_of(c%on_gpu, 3*c%wall%n_cells, c%box, p%wide, c%bodies, &
+                                       c%carrier, c%ends, c%binned, p%x, p%v, p%mass, p%fixed, &
+                                       c%wall%v, err)
     end subroutine find_mean_velocity
 
     !> Surface of the column behind each face, and the sum of the weights in it.
-    subroutine weigh_columns(p, c)
+    subroutine weigh_columns(p, c, err)
         type(solid_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
 
-        call each_weigh_column(c%wall%n_faces, c%box, p%wide, c%gas, c%rows, c%wall%face_cell, &
-                               c%cell, c%wall%solid, c%wall%index, c%ends, c%binned, p%x, p%mass, &
-                               c%surface, c%weight)
+        call for_each_weigh_column(c%on_gpu, c%wall%n_faces, c%box, p%wide, c%gas, c%rows, &
+                                   c%wall%face_cell, c%cell, c%wall%solid, c%wall%index, c%ends, &
+                                   c%binned, p%x, p%mass, c%surface, c%weight, err)
     end subroutine weigh_columns
 
     !> What the gas would do to the walls.
-    subroutine feel_gas(air, c)
+    subroutine feel_gas(air, c, err)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
 
-        call each_feel_gas(c%wall%n_faces, c%box, air%scheme, c%gas, c%rows, c%wall%face_cell, &
-                           air%u, c%wall%v, c%force, c%impedance)
+        call for_each_feel_gas(c%on_gpu, c%wall%n_faces, c%box, air%scheme, c%gas, c%rows, &
+                               c%wall%face_cell, air%u, c%wall%v, c%force, c%impedance, err)
     end subroutine feel_gas
 
     !> Velocities of the walls in the middle of the coming step, where that of a particle a step
     !> ago is a column of v_before.
-    subroutine push_walls(p, c, dt, v_before, column)
+    subroutine push_walls(p, c, dt, v_before, column, err)
         type(solid_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
         real(rk), intent(in) :: v_before(:, :) !! [m/s]
         integer(int32), intent(in) :: column(:) !! of each particle in it
+        type(error_t), intent(inout) :: err
 
-        call each_push_wall(3*c%wall%n_cells, c%box, p%wide, p%step_d, p%step_p, c%bodies, &
-                            real(dt, rk), real(c%dt_before, rk), c%carrier, c%gas, c%rows, &
-                            c%wall%face_cell, c%wall%face_of, c%above, c%ends, c%binned, p%x, &
-                            p%v, p%mass, p%load, v_before, column, p%fixed, c%surface, c%weight, &
-                            c%force, c%impedance, c%wall%v)
+        call for_each_push_wall(c%on_gpu, 3*c%wall%n_cells, c%box, p%wide, p%step_d, p%step_p, &
+                                c%bodies, real(dt, rk), real(c%dt_before, rk), c%carrier, c%gas, &
+                                c%rows, c%wall%face_cell, c%wall%face_of, c%above, c%ends, &
+                                c%binned, p%x, p%v, p%mass, p%load, v_before, column, p%fixed, &
+                                c%surface, c%weight, c%force, c%impedance, c%wall%v, err)
     end subroutine push_walls
 
     !> Keep the velocities for the coming step.
-    subroutine keep_velocities(p, c)
+    subroutine keep_velocities(p, c, err)
         type(solid_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
 
-        call each_keep_velocity(p%n, p%wide, 1, 3, p%v, p%id, c%v_before)
+        call for_each_keep_velocity(c%on_gpu, p%n, p%wide, 1, 3, p%v, p%id, c%v_before, err)
     end subroutine keep_velocities
 
     !> Loads of the particles, and the books of the walls. The columns are those of before the step.
-    subroutine press_bodies(p, c, dt)
+    subroutine press_bodies(p, c, dt, err)
         type(solid_t), intent(inout) :: p
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! step of the air [s]
-        real(dp) :: work(2), given(3), taken(3) !@cpu
+        type(error_t), intent(inout) :: err
+        real(dp) :: work(2), given(3), taken(3) !! on a GPU in its books
 
-        work = 0 !@cpu
-        given = 0 !@cpu
-        taken = 0 !@cpu
-        call each_press_face(c%wall%n_faces, c%box, dt, c%rows, c%wall%impulse, c%force)
-        call each_book_face(c%wall%n_faces, c%box, dt, c%gas, c%rows, c%wall%face_cell, &
-                            c%wall%impulse, c%wall%v, work, given, taken) !@gpu book_work
-        call each_load_particle(p%n, c%box, p%wide, p%step_d, p%step_p, c%place_of, c%above, &
-                                c%gas, c%rows, c%surface, c%weight, c%force, p%x, p%mass, p%load)
-        c%books%work = c%books%work + work(1) !@cpu
-        c%books%work_reference = c%books%work_reference + work(2) !@cpu
-        c%books%impulse = c%books%impulse + given !@cpu
-        c%books%impulse_reference = c%books%impulse_reference + taken !@cpu
+        work = 0
+        given = 0
+        taken = 0
+        call for_each_press_face(c%on_gpu, c%wall%n_faces, c%box, dt, c%rows, c%wall%impulse, &
+                                 c%force, err)
+        call for_each_book_face(c%on_gpu, c%wall%n_faces, c%box, dt, c%gas, c%rows, &
+                                c%wall%face_cell, c%wall%impulse, c%wall%v, work, given, taken, &
+                                book_at(c%device, book_work), err)
+        call for_each_load_particle(c%on_gpu, p%n, c%box, p%wide, p%step_d, p%step_p, c%place_of, &
+                                    c%above, c%gas, c%rows, c%surface, c%weight, c%force, p%x, &
+                                    p%mass, p%load, err)
+        c%books%work = c%books%work + work(1)
+        c%books%work_reference = c%books%work_reference + work(2)
+        c%books%impulse = c%books%impulse + given
+        c%books%impulse_reference = c%books%impulse_reference + taken
     end subroutine press_bodies
 
     !> Stress that the loads bring to the faces of bodies, after press_bodies.
-    subroutine stress_faces(solid, p, c)
-        class(solid_t), intent(in) :: solid !! its bodies
+    subroutine stress_faces(solid, p, c, err)
+        type(solid_t), intent(in) :: solid !! its bodies
         type(solid_t), intent(inout) :: p !! its particles
         type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
         integer :: b
 
         if (.not. allocated(solid%face_stress)) return
         do b = 1, size(solid%bodies)
             if (.not. solid%bodies(b)%face_share > 0 .or. solid%bodies(b)%asleep) cycle
             associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
-                call each_bear_load(last - first + 1, first, c%box, &
-                    solid%bodies(b)%layers, p%wide, p%step_d, p%step_t, c%place_of, &
-                    c%above, c%gas, c%rows, c%surface, c%weight, c%force, p%x, p%mass, &
-                    p%face_stress)
+                call for_each_bear_load(c%on_gpu, last - first + 1, first, c%box, &
+                                        solid%bodies(b)%layers, p%wide, p%step_d, p%step_t, &
+                                        c%place_of, c%above, c%gas, c%rows, c%surface, c%weight, &
+                                        c%force, p%x, p%mass, p%face_stress, err)
             end associate
         end do
     end subroutine stress_faces

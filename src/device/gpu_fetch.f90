@@ -10,10 +10,10 @@ module brz_gpu_fetch
     use brz_device, only: copy_in, pin, reserve_buffer
     use brz_errors, only: error_t
     use brz_fetch, only: fetch_t, parcel_t
-    use brz_gpu_lists, only: put_list
+    use brz_lists, only: put_list
+    use brz_present_table, only: on_device
     use brz_gpu_peers, only: peers_t
-    use brz_gpu_places, only: gpu_places_t
-    use brz_kinds, only: int64, int8, rk
+    use brz_kinds, only: int32, int64, int8, rk
     use brz_mail, only: tell_all
     use brz_place_launches, only: place_kernels
     use brz_places, only: parcels_t
@@ -24,8 +24,8 @@ module brz_gpu_fetch
 
     type :: gpu_fetch_t
         integer :: wide = 1 !! numbers of each cell
-        type(gpu_places_t) :: out, in !! cells
-        type(integers_t) :: out_block, in_block !! of each in a map
+        type(parcels_t) :: out, in !! cells
+        integer(int32), allocatable :: out_block(:), in_block(:) !! of each in a map
         type(bytes_t) :: near !! that map: cells of blocks that are not marked stay as they are
         type(peers_t) :: peers
         type(reals_t) :: row !! where the parcels of an exchange lie
@@ -68,15 +68,15 @@ contains
 
         subroutine list(parcels, there, block)
             type(parcel_t), intent(in) :: parcels(:)
-            type(gpu_places_t), intent(inout) :: there
-            type(integers_t), intent(inout) :: block
+            type(parcels_t), intent(inout) :: there
+            integer(int32), allocatable, intent(inout) :: block(:)
             type(parcels_t) :: here
 
             here = list_cells(ranks%n, parcels, box)
             there%first = here%first
             there%all = .true.
-            call put_list(here%place, there%place, err)
-            if (numbers > 0) call put_list(spread(1, 1, size(here%place)), block, err)
+            call put_list(.true., here%place, there%place, err)
+            if (numbers > 0) call put_list(.true., spread(1, 1, size(here%place)), block, err)
         end subroutine list
     end subroutine open
 
@@ -101,7 +101,7 @@ contains
         if (.not. several(self%peers%ranks)) return
         call self%peers%begin(self%out, self%in, self%wide*storage_size(1.0_rk)/8, self%row, err)
         if (self%out%tiled > 0) call place_kernels%pick_cells(self%out%tiled, self%wide, apart, &
-            self%out%parcels, self%out%place, self%out_block, self%near, field, self%row, err)
+            self%out%parcels, at(self%out%place), at(self%out_block), self%near, field, self%row, err)
         call self%peers%finish(err)
     end subroutine offer_reals
 
@@ -116,7 +116,7 @@ contains
         if (.not. several(self%peers%ranks)) return
         call self%peers%swap(met, err)
         if (self%in%tiled > 0) call place_kernels%put_cells(self%in%tiled, self%wide, apart, &
-            self%in%parcels, self%in%place, self%in_block, self%near, self%row, field, err)
+            self%in%parcels, at(self%in%place), at(self%in_block), self%near, self%row, field, err)
     end subroutine take_reals
 
     !> The same of marks.
@@ -129,10 +129,17 @@ contains
         if (.not. several(self%peers%ranks)) return
         call self%peers%begin(self%out, self%in, 1, row, err)
         if (self%out%tiled > 0) call place_kernels%pick_marks(self%out%tiled/4, &
-            self%out%parcels, self%out%place, field, row, err)
+            self%out%parcels, at(self%out%place), field, row, err)
         call self%peers%finish(err)
         call self%peers%swap(.false., err)
         if (self%in%tiled > 0) call place_kernels%put_marks(self%in%tiled/4, &
-            self%in%parcels, self%in%place, row, field, err)
+            self%in%parcels, at(self%in%place), row, field, err)
     end subroutine bytes_of_others
+
+    !> The copy of a list.
+    type(integers_t) function at(list)
+        integer(int32), intent(in), target :: list(:)
+
+        at = integers_t(address=on_device(list))
+    end function at
 end module brz_gpu_fetch

@@ -15,11 +15,11 @@ module brz_gpu_peers
         wait_for_device
     use brz_device_events, only: event_t, record_event, wait_for_event
     use brz_errors, only: error_t, failed
-    use brz_gpu_lists, only: put_changed
-    use brz_gpu_places, only: gpu_places_t
+    use brz_lists, only: put_changed_table
     use brz_kinds, only: dp, int64
     use brz_mail, only: greet, mail_t, make_room, post, tell_counts
     use brz_place_items, only: tile
+    use brz_places, only: parcels_t
     use brz_ranks, only: agree, least_of_all, ranks_t, several
     implicit none
     private
@@ -104,7 +104,7 @@ contains
         class(peers_t), intent(inout) :: self
         integer(int64), intent(in) :: number(:, :) !! (to processes, from processes)
         integer, intent(in) :: bytes !! of an entry at most
-        type(gpu_places_t), intent(inout) :: list
+        type(parcels_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
         integer(int64), dimension(0:size(number, 1) - 1, 0:size(number, 1) - 1) :: tiled
         integer(int64) :: half
@@ -126,7 +126,7 @@ contains
     !> to the other one, and are written and read from `row` on.
     subroutine begin(self, out, in, bytes, row, err)
         class(peers_t), intent(inout) :: self
-        type(gpu_places_t), intent(inout) :: out, in
+        type(parcels_t), intent(inout) :: out, in
         integer, intent(in) :: bytes
         class(buffer_t), intent(inout) :: row !! its address is set
         type(error_t), intent(inout) :: err
@@ -152,7 +152,7 @@ contains
     !> Tell kernels where the parcels of a list lie, see brz_place_items.
     subroutine tell_parcels(self, list, tiled, err)
         class(peers_t), intent(in) :: self
-        type(gpu_places_t), intent(inout) :: list
+        type(parcels_t), intent(inout) :: list
         integer(int64), intent(out) :: tiled(0:) !! (processes) places in the tiles of each parcel
         type(error_t), intent(inout) :: err
         integer(int64) :: before, parcel(5, 0:ubound(tiled, 1))
@@ -170,7 +170,7 @@ contains
             before = before + tiled(r)
         end do
         list%tiled = int(before)
-        call put_changed(transfer(parcel, [0]), list%parcels_there, list%parcels, err)
+        call put_changed_table(transfer(parcel, [0]), list%parcels_there, list%parcels, err)
     end subroutine tell_parcels
 
     !> Entries, rounded up to whole tiles.

@@ -12,7 +12,7 @@ module brz_present_table
     use brz_kinds, only: int32, int64, int8, real32, real64
     implicit none
     private
-    public :: attach, attach_bytes, detach_all, buffer_of, on_device, one_on_device
+    public :: attach, attach_bytes, detach_all, buffer_of, copy_of, detach, on_device, one_on_device
 
     integer, parameter :: most = 1024 !! entries
 
@@ -92,6 +92,21 @@ contains
         n = n + 1
     end subroutine attach_bytes
 
+    !> An array has no copy any more.
+    subroutine detach(x)
+        type(*), intent(in), target :: x(*)
+        integer(c_intptr_t) :: at
+        integer :: k
+
+        at = transfer(c_loc(x), at)
+        k = entry_of(at)
+        if (k == 0) return
+        first(k:n - 1) = first(k + 1:n)
+        behind(k:n - 1) = behind(k + 1:n)
+        copy(k:n - 1) = copy(k + 1:n)
+        n = n - 1
+    end subroutine detach
+
     !> No array has a copy any more.
     subroutine detach_all()
         n = 0
@@ -143,6 +158,7 @@ contains
         address = copy_of(c_loc(x))
     end function one_on_device
 
+    !> The same of what begins at a place of the host.
     integer(c_intptr_t) function copy_of(place) result(address)
         type(c_ptr), intent(in) :: place
         integer(c_intptr_t) :: at

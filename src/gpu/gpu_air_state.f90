@@ -12,15 +12,13 @@ module brz_gpu_air_state
     use brz_air_state, only: air_t, bc_periodic, set_scale, wall_t
     use brz_boxes, only: cells_t
     use brz_buffers, only: reals_t
-    use brz_cell_items, only: cells_of_a_chunk
-    use brz_cell_launches, only: cell_kernels
     use brz_device, only: allocate_buffer, clear_buffer, copy_out, &
-        device_t, find_kernel, put_buffer, reserve_buffer
+        device_t, find_kernel, put_buffer
     use brz_place_launches, only: place_kernels
     use brz_face_launches, only: face_kernels
-    use brz_air_launches, only: air_kernels
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_kinds, only: dp, int64, int8, rk
+    use brz_near_walls, only: mark_near_walls
     use brz_ranks, only: several
     use brz_present_table, only: attach, attach_bytes
     use brz_scheme, only: hllc, max_var
@@ -29,7 +27,7 @@ module brz_gpu_air_state
     implicit none
     private
     public :: open_gpu_air, go_on
-    public :: mark_near_walls, fetch_air, note_air, fetch_cells, fetch_walls, bytes_of_real
+    public :: fetch_air, note_air, fetch_cells, fetch_walls, bytes_of_real
 
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
 
@@ -39,7 +37,7 @@ contains
     subroutine open_gpu_air(device, air, walls, err)
         type(device_t), intent(in) :: device
         type(air_t), intent(inout) :: air
-        logical, intent(in) :: walls !! there will be, see put_walls
+        logical, intent(in) :: walls !! there will be, see see_walls
         type(error_t), intent(inout) :: err
         type(air_device_t), pointer :: gpu
         integer(int64) :: cells, field, ends
@@ -151,24 +149,6 @@ contains
                 .or. beyond_wall(air%scheme, air%bc(1, d), air%bc(2, d), air%n(d), air%n(d) + 1)
         end do
     end function has_wall_ends
-
-    !> Mark and list the cells beside walls, once the map of solid cells is there.
-    subroutine mark_near_walls(gpu, err)
-        type(air_device_t), intent(inout) :: gpu
-        type(error_t), intent(inout) :: err
-        integer :: cells, chunks
-
-        call air_kernels%air_near(gpu%grid%n, gpu%grid, gpu%scheme, gpu%walls%solid, &
-                                  gpu%walls%near, gpu%bricks%reached, err)
-        cells = int(gpu%grid%apart)
-        chunks = (cells - 1)/cells_of_a_chunk + 1
-        call reserve_buffer(gpu%near_before, 4_int64*(chunks + 1), err)
-        call cell_kernels%count_kind(chunks, cells, 1, gpu%walls%near, gpu%near_before, err)
-        call gpu%common%running_sum(gpu%near_before, chunks, err, gpu%n_near)
-        call reserve_buffer(gpu%near_at, 4_int64*gpu%n_near, err)
-        call cell_kernels%list_kind(chunks, cells, 1, gpu%walls%near, gpu%near_before, &
-                                    gpu%near_at, err)
-    end subroutine mark_near_walls
 
     !> All bricks are awake at first.
     subroutine open_bricks(air, gpu, err)

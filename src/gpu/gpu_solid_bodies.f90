@@ -8,7 +8,8 @@ module brz_gpu_solid_bodies
     use brz_formulation_names, only: form_bending, form_corrected_hourglass, form_rigid, form_total
     use brz_gradient, only: limiter_slope
     use brz_gpu_solid_layout, only: body_gpu_t, slice_width
-    use brz_gpu_solid_state, only: bytes_of_real, columns_t, gpu_solid_body_t, gpu_solid_t
+    use brz_gpu_solid_state, only: bytes_of_real
+    use brz_solid_device, only: columns_t, body_device_t, solid_device_t
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: int64, rk
     use brz_material, only: class_elastic, material_t
@@ -43,7 +44,7 @@ contains
     !> Memory and kernels of all bodies.
     subroutine open_gpu_bodies(solid, gpu, err)
         type(solid_t), intent(in) :: solid
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer :: b
 
@@ -56,7 +57,7 @@ contains
     !> Axes of the plies of all bodies, one after the other.
     subroutine put_axes(solid, gpu, err)
         type(solid_t), intent(in) :: solid
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         real(rk), allocatable :: axes(:, :, :)
         integer :: b, n
@@ -88,7 +89,7 @@ contains
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
         type(columns_t), intent(in) :: column
-        type(gpu_solid_body_t), intent(inout) :: gpu
+        type(body_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         type(body_gpu_t) :: params
         type(material_t) :: material

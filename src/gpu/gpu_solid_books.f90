@@ -11,8 +11,8 @@ module brz_gpu_solid_books
     use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
         book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
         book_friction, book_stiff, book_load, book_plastic, book_rub, book_viscous, n_book
-    use brz_gpu_solid_state, only: book_of, gpu_solid_body_t, gpu_solid_t, &
-        total_threads
+    use brz_gpu_solid_state, only: book_of, total_threads
+    use brz_solid_device, only: body_device_t, solid_device_t
     use brz_kinds, only: dp, int64, rk
     use brz_ranks, only: least_of_all
     use brz_solid_launches, only: solid_kernels
@@ -26,7 +26,7 @@ contains
 
     !> Sums of the state of each body, of all processes.
     subroutine sum_states(gpu, solid, sums, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid
         real(dp), intent(out) :: sums(n_sum, size(gpu%bodies)) !! see sum_state
         type(error_t), intent(inout) :: err
@@ -47,14 +47,14 @@ contains
 
     !> Threads that add up the particles of a body.
     pure integer function adders(body)
-        type(gpu_solid_body_t), intent(in) :: body
+        type(body_device_t), intent(in) :: body
 
         adders = partials_of(body%last - body%first + 1, total_threads)
     end function adders
 
     !> Fold the columns of `book` over body b.
     subroutine fold_book(gpu, b, set, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: b, set !! body, and where its sums wait
         type(error_t), intent(inout) :: err
         integer :: m
@@ -67,7 +67,7 @@ contains
 
     !> Bring the ledgers and the reactions of all bodies up to date.
     subroutine fetch_ledgers(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         real(dp) :: books(n_book, size(gpu%bodies))
@@ -87,7 +87,7 @@ contains
 
     !> Ledger of body b from what it was when the GPU took over and from the sums of `book`.
     subroutine fill_ledger(gpu, b, book, solid)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: b
         real(dp), intent(in) :: book(n_book)
         type(solid_t), intent(inout) :: solid
@@ -123,7 +123,7 @@ contains
 
     !> Add the mean force of body b on what holds it in the last pass 2, and book its impulse.
     subroutine add_held_impulse(gpu, solid, b, dt, force, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! step just made [s]
@@ -142,7 +142,7 @@ contains
     !> Corners of body b in this process, for given places, wait in its set; without particles the
     !> low one is huge and above the high one.
     subroutine find_extent(gpu, b, place, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         type(error_t), intent(inout) :: err
@@ -158,7 +158,7 @@ contains
 
     !> Corners of some bodies at their positions `built`, where links are chosen by them.
     subroutine note_boxes(gpu, solid, which, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         logical, intent(in) :: which(:) !! (bodies)
         type(error_t), intent(inout) :: err
@@ -177,7 +177,7 @@ contains
 
     !> Corners of the bodies whose extents wait, of all processes.
     subroutine boxes_of_all(gpu, solid, box, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid
         real(dp), intent(out) :: box(:, :, :) !! (3, 2, bodies) [m]
         type(error_t), intent(inout) :: err
@@ -198,7 +198,7 @@ contains
     !> What is gone from body b, its last particles, limits no time step, and the books of the last
     !> step have nothing of it.
     subroutine forget_gone(gpu, solid, b, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
@@ -220,7 +220,7 @@ contains
 
     !> Largest stable time step, as pass 1, contact and interfaces left it [s].
     subroutine fetch_limit(gpu, solid, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         real(dp) :: rate

@@ -10,8 +10,10 @@ module brz_gpu_solid_contact
     use brz_gpu_common, only: pick
     use brz_gpu_solid_ghosts, only: refresh_motion, refresh_press, refresh_rows
     use brz_gpu_solid_layout, only: book_contact, book_contact_early, book_contact_heat, book_rub
-    use brz_gpu_solid_state, only: book_of, gpu_solid_t
+    use brz_gpu_solid_state, only: book_of
+    use brz_solid_device, only: solid_device_t
     use brz_kinds, only: dp, int64, rk
+    use brz_present_table, only: on_device
     use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
     use brz_tie_launches, only: tie_kernels
@@ -23,7 +25,7 @@ contains
 
     !> Add the bonded partners to the sums of pass 1.
     subroutine add_bond_moments(gpu, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
 
         if (.not. gpu%bonded) return
@@ -39,7 +41,7 @@ contains
     !> Note which bodies sleep, and the ranges of particles of those that are awake; bodies side by
     !> side go together.
     subroutine note_awake(gpu, asleep, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         logical, intent(in) :: asleep(:) !! (bodies)
         type(error_t), intent(inout) :: err
         integer :: b, n, range(2, size(gpu%bodies))
@@ -64,7 +66,7 @@ contains
     !> List the particles of awake bodies that may touch others, and those that may be bonded to
     !> others, so that no thread waits for those beside it; unless they are those of the last step.
     subroutine list_linked(gpu, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer :: k
 
@@ -87,7 +89,7 @@ contains
 
     !> List the particles of some ranges that are marked.
     subroutine list_marked(gpu, mark, ranges, list, n, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(integers_t), intent(in) :: mark !! (particles)
         integer, intent(in) :: ranges(:, :) !! (2, ranges) first and last particle
         type(integers_t), intent(inout) :: list
@@ -108,7 +110,7 @@ contains
 
     !> How many links a particle has along which contact may act.
     pure type(integers_t) function links_that_touch(gpu) result(number)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
 
         number = gpu%links%count
         if (.not. gpu%links%frees) number = gpu%links%loose
@@ -116,7 +118,7 @@ contains
 
     !> Break the bonds of particles whose traction on the bond exceeds its strength.
     subroutine break_bonds(gpu, solid, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         integer :: k
@@ -133,7 +135,7 @@ contains
 
     !> All forces between bodies, also those of bonds and interfaces, into `extra`.
     subroutine contact_pass(gpu, solid, dt, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: dt !! step just made [s]
         type(error_t), intent(inout) :: err
@@ -141,7 +143,7 @@ contains
 
         if (.not. gpu%linked) return
         call list_linked(gpu, err)
-        associate (l => gpu%links, glue => gpu%cohesive)
+        associate (l => gpu%links, glue => solid%cohesive)
             call press(gpu, real(dt, rk), err)
             call refresh_press(gpu, err)
             call clear_buffer(gpu%extra, err)
@@ -158,8 +160,9 @@ contains
             if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%step_d, l%lay, &
                 l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%k_axes, &
                 gpu%held, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
-            if (solid%cohesive%present) call cohesive_kernels%add_pull(glue%nodes, gpu%step_d, &
-                glue%place, glue%push, gpu%extra, err)
+            if (glue%present) call cohesive_kernels%add_pull(glue%nodes, gpu%step_d, &
+                integers_t(address=on_device(glue%place)), &
+                doubles_t(address=on_device(glue%push(:, 1:))), gpu%extra, err)
         end associate
     end subroutine contact_pass
 
@@ -175,7 +178,7 @@ contains
 
     !> Pressures of contact of the particles that are listed.
     subroutine press(gpu, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         type(error_t), intent(inout) :: err
 
@@ -189,7 +192,7 @@ contains
 
     !> Pressures of contact at the present positions, of sleepers and ghosts as well.
     subroutine find_press(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 

@@ -5,20 +5,21 @@ module brz_gpu_solid_copy
     use brz_buffers, only: buffer_t, doubles_t, integers_t
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, device_t, free_buffer, &
                           put_buffer
+    use brz_cohesive_state, only: cohesive_t
     use brz_errors, only: error_t, failed
     use brz_field_values, only: carry_columns, carry_marks, carry_rows
-    use brz_gpu_cohesive_part, only: fetch_gpu_points
-    use brz_gpu_cohesive_state, only: put_cohesive
+    use brz_gpu_cohesive_part, only: enter_cohesive, fetch_gpu_points
     use brz_gpu_solid_bodies, only: open_gpu_bodies
-    use brz_gpu_solid_list_steps, only: build_neighbours
     use brz_gpu_solid_layout, only: at_bulk, at_wave, flag_bad, n_flag, tag_fault
     use brz_gpu_solid_load, only: open_gpu_loads
     use brz_gpu_solid_links, only: open_gpu_links
-    use brz_gpu_solid_state, only: bytes_of_real, column_of, gpu_solid_t, &
-        open_gpu_solid_memory, tags_of, threads_of
+    use brz_gpu_solid_state, only: attach_solid, bytes_of_real, column_of, open_gpu_solid_memory, &
+        tags_of
+    use brz_solid_device, only: solid_device_t
     use brz_kinds, only: dp, int32, int64, rk
     use brz_materials, only: unloaded_speed
     use brz_particle_order, only: find_place
+    use brz_present_table, only: buffer_of
     use brz_snapshots, only: snapshot_t
     use brz_solid_arrays, only: cut_blocks, number_groups
     use brz_solid_fields, only: field_t, fields_of, fields_t, in_motion, in_place, in_state, &
@@ -34,15 +35,18 @@ module brz_gpu_solid_copy
 
 contains
 
-    !> Reserve memory on the GPU, copy the solids there and build their lists.
-    subroutine open_gpu_solid(device, solid, in_air, gpu, err)
+    !> Reserve memory on the GPU and copy the solids there; their lists must be built, see
+    !> brz_solid_to_gpu.
+    subroutine open_gpu_solid(device, solid, in_air, err)
         type(device_t), intent(in) :: device
         type(solid_t), intent(inout) :: solid !! its search tables are overwritten
         logical, intent(in) :: in_air !! the air loads the bodies
-        type(gpu_solid_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
+        type(solid_device_t), pointer :: gpu
         integer :: b
 
+        allocate (gpu)
+        solid%device => gpu
         call open_gpu_solid_memory(device, solid, in_air .or. allocated(solid%loads%of), gpu, err)
         if (failed(err)) return
         call open_gpu_bodies(solid, gpu, err)
@@ -53,15 +57,16 @@ contains
         call carry_fields(gpu, solid, .true., err)
         call put_speeds(solid, gpu, err)
         call open_gpu_links(solid, gpu, err)
-        if (solid%cohesive%present) call put_cohesive(solid%cohesive, gpu%cohesive, err)
-        call open_gpu_loads(solid%loads, gpu, err)
-        call build_neighbours(gpu, solid, .false., spread(.true., 1, size(solid%bodies)), err)
+        if (solid%cohesive%present) call enter_cohesive(solid%cohesive, err)
+        call open_gpu_loads(solid%loads, err)
+        solid%on_gpu = .true.
+        call attach_solid(gpu, solid)
     end subroutine open_gpu_solid
 
     !> What follows from the material of the particles.
     subroutine put_speeds(solid, gpu, err)
         type(solid_t), intent(in) :: solid
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(error_t), intent(inout) :: err
         real(rk) :: wave(size(solid%materials)), bulk(size(solid%materials))
         integer :: m
@@ -89,7 +94,7 @@ contains
 
     !> Refresh the host's particles, if the GPU has moved on.
     subroutine fetch_solid(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
@@ -101,32 +106,27 @@ contains
     end subroutine fetch_solid
 
     !> What fetch_solid reads.
-    subroutine note_solid(gpu, snapshot)
-        type(gpu_solid_t), intent(in) :: gpu
+    subroutine note_solid(gpu, glue, snapshot)
+        type(solid_device_t), intent(in) :: gpu
+        type(cohesive_t), intent(in) :: glue
         type(snapshot_t), intent(inout) :: snapshot
 
         call snapshot%note([gpu%place%buffer_t, gpu%reference%buffer_t, gpu%built%buffer_t, &
                             gpu%motion%buffer_t, gpu%state%buffer_t, gpu%tag%buffer_t])
-        associate (glue => gpu%cohesive)
-            call snapshot%note([glue%place%buffer_t, glue%damage%buffer_t, glue%spent%buffer_t, &
-                                glue%held%buffer_t])
-        end associate
+        if (glue%present) call snapshot%note([buffer_of(glue%place), buffer_of(glue%damage), &
+                                              buffer_of(glue%spent), buffer_of(glue%held)])
     end subroutine note_solid
 
-    !> The bodies lie in the host arrays as on the GPU from now on. Only numbers of particles are
-    !> fetched.
+    !> The bodies lie in the host arrays where solid_t says, as on the GPU, from now on. Only numbers
+    !> of particles are fetched.
     subroutine settle_bodies(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
         if (gpu%settled) return
-        solid%bodies%first = gpu%bodies%first
-        solid%bodies%last = gpu%bodies%last
-        solid%bodies%rim = gpu%bodies%rim
-        solid%bodies%room = gpu%bodies%room
-        solid%n = gpu%n
         call make_room(solid, solid%n)
+        call attach_solid(gpu, solid)
         call number_groups(solid)
         call cut_blocks(solid)
         call copy_out(gpu%id, solid%id, 4_int64*gpu%n, err)
@@ -136,7 +136,7 @@ contains
     !> All fields of the particles, to the GPU or from there; what each copy takes lies in the same
     !> memory for a moment.
     subroutine carry_fields(gpu, solid, puts, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(inout), target :: solid
         logical, intent(in) :: puts !! else they come from the GPU
         type(error_t), intent(inout) :: err
@@ -176,7 +176,7 @@ contains
 
     !> A field that lies in columns, or marks.
     subroutine carry_field(gpu, field, puts, room, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(field_t), intent(in) :: field
         logical, intent(in) :: puts
         real(dp), intent(inout), target, contiguous :: room(:, :) !! (4, n) is overwritten
@@ -214,7 +214,7 @@ contains
     !> from another process since the host knew its particles, it hears of all anew; one that has
     !> gone to another process is forgotten.
     subroutine fetch_particles(gpu, id, place, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         integer(int32), intent(in) :: id(:) !! numbers of particles
         integer, intent(in) :: place(:) !! where they were last on the host
         type(solid_t), intent(inout) :: solid
@@ -234,11 +234,8 @@ contains
         end do
         values = 0
         call copy_out(gpu%common%told, values, 8_int64*size(values), err)
+        call settle_bodies(gpu, solid, err)
         i = places_of(solid, id, place, values(13, :) > 0)
-        if (any(values(13, :) > 0 .and. i == 0)) then
-            call settle_bodies(gpu, solid, err)
-            i = places_of(solid, id, place, values(13, :) > 0)
-        end if
         do k = 1, size(id)
             if (i(k) == 0) cycle ! of another process
             if (.not. values(13, k) > 0) then
@@ -279,7 +276,7 @@ contains
 
     !> The particles with an impossible state are noted in the blocks of the host, as its own are.
     subroutine fetch_faults(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         integer(int32), allocatable :: marks(:)

@@ -3,7 +3,8 @@
 module brz_gpu_solid_forces
     use brz_device, only: side_by_side
     use brz_errors, only: error_t
-    use brz_gpu_solid_state, only: gpu_solid_t, threads_of
+    use brz_gpu_solid_state, only: threads_of
+    use brz_solid_device, only: solid_device_t
     use brz_kinds, only: dp, rk
     use brz_solid_launches, only: launch_solid_forces
     use brz_solid_state, only: solid_t
@@ -15,7 +16,7 @@ contains
 
     !> Heat and ledgers are those over dt, the step just made.
     subroutine force_pass(gpu, solid, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err

@@ -5,9 +5,10 @@ module brz_gpu_solid_ghosts
     use brz_device, only: copy_in
     use brz_errors, only: error_t
     use brz_contact_face, only: n_face
-    use brz_gpu_parcels, only: gpu_rows_t, rows_of
+    use brz_rows, only: rows_t, rows_of => rows_of_copy
     use brz_gpu_solid_layout, only: at_damage, flag_drawn
-    use brz_gpu_solid_state, only: column_of, gpu_solid_t, words_of_real
+    use brz_gpu_solid_state, only: column_of, words_of_real
+    use brz_solid_device, only: solid_device_t
     use brz_kinds, only: int64
     use brz_link_layout, only: n_press
     use brz_ranks, only: several
@@ -21,7 +22,7 @@ contains
 
     !> Others get what take_motion takes, before all of them vote on lists: mostly these last.
     subroutine offer_motion(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
@@ -33,7 +34,7 @@ contains
 
     !> Places, velocities, volumes and smoothing lengths: what pass 1 reads.
     subroutine refresh_motion(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
@@ -42,7 +43,7 @@ contains
 
     !> The same after the vote.
     subroutine take_motion(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
@@ -54,15 +55,15 @@ contains
     end subroutine take_motion
 
     pure function motion_of(gpu) result(rows)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(gpu_rows_t) :: rows(2)
+        type(solid_device_t), intent(in) :: gpu
+        type(rows_t) :: rows(2)
 
         rows = [rows_of(gpu%place, 8), rows_of(gpu%motion, 4*words_of_real)]
     end function motion_of
 
     !> The same before lists are built anew in part, and the damage, which end_support reads then.
     subroutine refresh_kept(gpu, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
 
         call gpu%ghosts%refresh([motion_of(gpu), &
@@ -72,7 +73,7 @@ contains
     !> What pass 1 has left, and pass 2 reads. What of a body is held may be a ghost, so then all
     !> look for it.
     subroutine refresh_rows(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         integer :: n
@@ -92,7 +93,7 @@ contains
 
     !> Pressures of contact.
     subroutine refresh_press(gpu, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
 
         if (several(gpu%ghosts%ranks)) call gpu%ghosts%refresh( &
@@ -101,7 +102,7 @@ contains
 
     !> Which bonds are whole.
     subroutine refresh_bonds(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
@@ -111,7 +112,7 @@ contains
 
     !> Which cohesive interfaces hold them.
     subroutine refresh_joined(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 

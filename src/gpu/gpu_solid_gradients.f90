@@ -5,8 +5,8 @@ module brz_gpu_solid_gradients
     use brz_device, only: clear_buffer, copy_within, reserve_buffer, side_by_side
     use brz_errors, only: error_t
     use brz_gpu_solid_contact, only: add_bond_moments
-    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, tags_of, threads_of, &
-        words_of_real
+    use brz_gpu_solid_state, only: tags_of, threads_of, words_of_real
+    use brz_solid_device, only: body_device_t, solid_device_t
     use brz_gpu_solid_layout, only: tag_limp
     use brz_kinds, only: dp, int64, rk
     use brz_motion_launches, only: motion_kernels
@@ -25,7 +25,7 @@ contains
     !> its support: the host has found what has none at the start. Of bodies that are awake, or of
     !> the others.
     subroutine gradient_pass(gpu, solid, dt, err, of_sleepers)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
@@ -67,7 +67,7 @@ contains
 
     !> What contact gathers of the particles of body b.
     subroutine fill_rigid(gpu, solid, b, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
@@ -82,7 +82,7 @@ contains
 
     !> Pass 1 of bodies that sleep, whose particles may be others now.
     subroutine renew_sleepers(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
@@ -92,7 +92,7 @@ contains
     !> Places and reference positions as pairs read them: in real64 they are these themselves. The
     !> reference of a particle stays, so it is packed where particles have changed their places.
     subroutine pack_places(gpu, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer :: b, first
 
@@ -129,8 +129,8 @@ contains
     end subroutine pack_places
 
     subroutine sum_moments(gpu, body, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(gpu_solid_body_t), intent(in) :: body
+        type(solid_device_t), intent(in) :: gpu
+        type(body_device_t), intent(in) :: body
         type(error_t), intent(inout) :: err
         type(doubles_t) :: place, other
         type(reals_t) :: near, far
@@ -151,8 +151,8 @@ contains
     end subroutine sum_moments
 
     subroutine find_gradients(gpu, body, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(gpu_solid_body_t), intent(in) :: body
+        type(solid_device_t), intent(in) :: gpu
+        type(body_device_t), intent(in) :: body
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         type(error_t), intent(inout) :: err
 
@@ -162,8 +162,8 @@ contains
 
     !> A single layer: take out of the energy what the stress does on its faces.
     subroutine free_faces(gpu, body, time, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(gpu_solid_body_t), intent(in) :: body
+        type(solid_device_t), intent(in) :: gpu
+        type(body_device_t), intent(in) :: body
         real(rk), intent(in) :: time !! [s]
         type(error_t), intent(inout) :: err
 
@@ -173,8 +173,8 @@ contains
     end subroutine free_faces
 
     subroutine update_material(gpu, body, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(gpu_solid_body_t), intent(in) :: body
+        type(solid_device_t), intent(in) :: gpu
+        type(body_device_t), intent(in) :: body
         real(rk), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
 
@@ -184,8 +184,8 @@ contains
 
     !> Strain the half layers at the faces of particles that may touch others.
     subroutine move_faces(gpu, body, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(gpu_solid_body_t), intent(in) :: body
+        type(solid_device_t), intent(in) :: gpu
+        type(body_device_t), intent(in) :: body
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         type(error_t), intent(inout) :: err
 
@@ -196,8 +196,8 @@ contains
     end subroutine move_faces
 
     subroutine fill_rows(gpu, body, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(gpu_solid_body_t), intent(in) :: body
+        type(solid_device_t), intent(in) :: gpu
+        type(body_device_t), intent(in) :: body
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         type(error_t), intent(inout) :: err
 

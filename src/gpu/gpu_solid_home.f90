@@ -7,26 +7,28 @@ module brz_gpu_solid_home
     use brz_errors, only: error_t
     use brz_formulation_names, only: form_total
     use brz_ghost_wants, only: has_boxes, tell_boxes
-    use brz_gpu_lists, only: put_changed, put_list
-    use brz_gpu_mark_steps, only: list_marks
+    use brz_lists, only: put_changed => put_changed_table, put_list, read_first
     use brz_gpu_solid_layout, only: n_book, slice_width
-    use brz_gpu_solid_state, only: book_of, gpu_solid_t
+    use brz_gpu_solid_state, only: book_of
+    use brz_solid_device, only: solid_device_t
     use brz_gpu_solid_books, only: fetch_ledgers, find_extent
     use brz_home_launches, only: home_kernels
     use brz_kinds, only: dp, int64
     use brz_places, only: parcels_t
+    use brz_present_table, only: attach
     use brz_ranks, only: least_of_all
+    use brz_send_lists, only: list_marks
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: close_books, find_boxes, find_lowest, homes_of, list_leaving, put_region, put_table, &
+    public :: close_books, fetch_homes, find_boxes, find_lowest, list_leaving, put_region, put_wants, &
         send_away, settle_places
 
 contains
 
     !> Places that decide to which process the particles of body b belong.
     pure type(doubles_t) function homes_of(gpu, solid, b)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
 
@@ -36,7 +38,7 @@ contains
 
     !> The lowest homes of particles of all processes, where planes of symmetry are; all must call.
     subroutine find_lowest(gpu, solid, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         real(dp) :: box(3, 2, size(gpu%bodies)), lowest(3)
@@ -56,7 +58,7 @@ contains
     !> Boxes that the particles of each body fill in each process, where links want them; all must
     !> call.
     subroutine find_boxes(gpu, solid, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         real(dp) :: box(3, 2, size(gpu%bodies))
@@ -72,40 +74,55 @@ contains
 
     !> The regions of all processes, where they are others than the GPU has.
     subroutine put_region(gpu, region, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         real(dp), intent(in) :: region(:, :, :) !! (3, 2, processes) corners [m]
         type(error_t), intent(inout) :: err
 
-        call put_changed(transfer(region, [0]), gpu%part%region_there, gpu%part%region, err)
+        call put_changed(transfer(region, [0]), gpu%region_there, gpu%region_at, err)
+        call attach(region, gpu%region_at)
     end subroutine put_region
 
-    !> A small table, into a buffer with room for it.
-    subroutine put_table(x, n, buffer, err)
-        real(dp), intent(in) :: x(*)
-        integer, intent(in) :: n
-        type(doubles_t), intent(inout) :: buffer
+    !> The ways of a body to need a ghost, which have a copy until they are given others.
+    subroutine put_wants(gpu, want, err)
+        type(solid_device_t), intent(inout) :: gpu
+        real(dp), intent(in) :: want(:, :, :)
         type(error_t), intent(inout) :: err
 
-        call reserve_buffer(buffer, 8_int64*n, err)
-        call copy_in(x(:n), buffer, 8_int64*n, err)
-    end subroutine put_table
+        call reserve_buffer(gpu%wants, 8_int64*size(want), err)
+        call copy_in(want, gpu%wants, 8_int64*size(want), err)
+        call attach(want, gpu%wants)
+    end subroutine put_wants
+
+    !> The homes of particles first..last of body b.
+    subroutine fetch_homes(gpu, solid, b, first, last, x, err)
+        type(solid_device_t), intent(in) :: gpu
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b, first, last
+        real(dp), intent(inout), contiguous :: x(:, :) !! (4, last - first + 1) [m]
+        type(error_t), intent(inout) :: err
+
+        call copy_out(from(homes_of(gpu, solid, b), 4_int64*first - 3), x, &
+                      32_int64*(last - first + 1), err)
+    end subroutine fetch_homes
 
     !> The marked particles, on the host.
-    subroutine list_leaving(gpu, number, leaving, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+    subroutine list_leaving(solid, number, leaving, err)
+        type(solid_t), intent(inout) :: solid
         integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
         type(parcels_t), intent(inout) :: leaving
         type(error_t), intent(inout) :: err
 
-        call list_marks(gpu%n, number, gpu%part, gpu%ghosts%gone, err)
-        leaving%first = gpu%ghosts%gone%first
-        allocate (leaving%place(sum(number)), source=0)
-        call copy_out(gpu%ghosts%gone%place, leaving%place, 4*sum(number), err)
+        associate (gone => solid%device%ghosts%gone)
+            call list_marks(.true., solid%n, number, solid%part%marks_t, gone, err)
+            leaving%first = gone%first
+            allocate (leaving%place(sum(number)), source=0)
+            call read_first(.true., int(sum(number)), gone%place, leaving%place, err)
+        end associate
     end subroutine list_leaving
 
     !> Send the particles that leave, and take in those that come.
     subroutine send_away(gpu, number, leaving, coming, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         integer(int64), intent(in) :: number(:, :) !! (to processes, from processes)
         type(parcels_t), intent(in) :: leaving, coming
         type(error_t), intent(inout) :: err
@@ -113,8 +130,8 @@ contains
         associate (ghosts => gpu%ghosts)
             ghosts%gone%first = leaving%first
             ghosts%come%first = coming%first
-            call put_list(leaving%place, ghosts%gone%place, err)
-            call put_list(coming%place, ghosts%come%place, err)
+            call put_list(.true., leaving%place, ghosts%gone%place, err)
+            call put_list(.true., coming%place, ghosts%come%place, err)
             call ghosts%aim(number, ghosts%gone, err)
             call ghosts%send(ghosts%gone, ghosts%come, gpu%record, gpu%record, err)
         end associate
@@ -123,7 +140,7 @@ contains
 
     !> The books of bodies whose particles change: what places have summed goes to the host.
     subroutine close_books(gpu, solid, changed, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: changed(:) !! (bodies)
         type(error_t), intent(inout) :: err
@@ -144,7 +161,7 @@ contains
 
     !> Kernels get to know where bodies lie. What lies behind the particles limits no time step.
     subroutine settle_places(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         integer :: b

@@ -8,8 +8,8 @@ module brz_gpu_solid_links
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: slice_width
     use brz_gpu_solid_lists, only: lay_lists, move_lists, pick_chosen
-    use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, news_all, news_none, news_part, &
-        threads_of
+    use brz_gpu_solid_state, only: attach_links, bytes_of_real, threads_of
+    use brz_solid_device, only: solid_device_t, news_all, news_none, news_part
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: fix_layout, link_layout_t
     use brz_list_drift, only: begin_links, links_reach, may_link
@@ -28,7 +28,7 @@ contains
     !> Reserve memory and copy what the laws between the bodies are.
     subroutine open_gpu_links(solid, gpu, err)
         type(solid_t), intent(in) :: solid
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes
 
@@ -57,7 +57,7 @@ contains
     !> Build the links for the positions `built`, to which the drifts of the bodies are added; in
     !> part where only few may be others, unless these no longer have room.
     subroutine build_links(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         integer :: met(size(solid%bodies), size(solid%bodies))
@@ -74,6 +74,7 @@ contains
         if (.not. fits) call link_all(gpu, solid, err)
         gpu%bodies%news = news_none
         gpu%links%listed = .false.
+        call attach_links(gpu, solid%links)
         associate (l => gpu%links)
             if (.not. l%frees) call tie_kernels%count_loose(gpu%n, l%lay, l%ends, l%table, &
                 l%bond, l%joined, l%row, l%slice, l%count, l%list, l%loose, err)
@@ -87,7 +88,7 @@ contains
 
     !> All links anew, with room behind them, as they may be built in part.
     subroutine link_all(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
@@ -102,7 +103,7 @@ contains
     !> Links near new places, and of stale pairs of bodies. Lists that no longer have room go behind
     !> all others.
     subroutine link_part(gpu, solid, fits, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         logical, intent(out) :: fits !! else there is no room behind them, and no list is right
         type(error_t), intent(inout) :: err
@@ -128,7 +129,7 @@ contains
 
     !> Choose the particles whose links with body b, or of which those in it, may be others.
     subroutine choose_by(gpu, solid, b, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
@@ -155,7 +156,7 @@ contains
 
     !> Corners of the bodies [m].
     pure function corners(gpu) result(box)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         real(dp) :: box(3, 2, size(gpu%bodies))
         integer :: b
 
@@ -166,7 +167,7 @@ contains
 
     !> Links are about to be built, for the drifts of now or, to resume, those that they had.
     subroutine settle_links(gpu, solid, resume, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: resume
         type(error_t), intent(inout) :: err
@@ -178,7 +179,7 @@ contains
     !> other; note which bodies have some. Particles of different bodies look side by side: those of
     !> small ones leave the GPU empty.
     subroutine visit_bodies(gpu, solid, keep, some, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: keep !! see solid_link_search
         logical, intent(in) :: some

@@ -7,7 +7,7 @@ module brz_gpu_solid_lists
     use brz_errors, only: error_t
     use brz_gpu_common, only: gpu_common_t, pick
     use brz_gpu_solid_layout, only: slice_width
-    use brz_gpu_solid_state, only: gpu_solid_t, lists_t
+    use brz_solid_device, only: solid_device_t, lists_t
     use brz_kinds, only: int64
     use brz_solid_launches, only: solid_kernels
     implicit none
@@ -60,7 +60,7 @@ contains
     !> List the particles of body b that are chosen, so that the threads of a warp all have work;
     !> none of them is counted yet.
     subroutine pick_chosen(gpu, b, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
 

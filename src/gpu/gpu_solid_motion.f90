@@ -1,14 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> What is to be done on the GPU at the begin of a step, smoothing lengths that vary, and how many
+!> What driven bodies take up first on the GPU, smoothing lengths that vary, and how many
 !> intact neighbours particles have left.
 module brz_gpu_solid_motion
     use brz_errors, only: error_t
     use brz_formulation_names, only: form_bending
-    use brz_gpu_cohesive_steps, only: cohesive_pass
-    use brz_gpu_solid_contact, only: contact_pass, note_awake
-    use brz_gpu_solid_ghosts, only: refresh_rows
-    use brz_gpu_solid_gradients, only: gradient_pass
-    use brz_gpu_solid_state, only: gpu_solid_t, threads_of
+    use brz_gpu_solid_state, only: threads_of
+    use brz_solid_device, only: solid_device_t
     use brz_gpu_solid_books, only: add_held_impulse
     use brz_intact_share, only: intact_share
     use brz_kinds, only: dp
@@ -17,34 +14,13 @@ module brz_gpu_solid_motion
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: begin_step, book_first_half, size_particles, end_support
+    public :: book_first_half, size_particles, end_support
 
 contains
 
-    !> The GPU goes on from what the host handed over, or from its last step.
-    subroutine begin_step(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
-        type(error_t), intent(inout) :: err
-
-        if (.not. gpu%stepped) then ! of bodies that sleep, too
-            call note_awake(gpu, gpu%bodies%asleep, err)
-            call gradient_pass(gpu, solid, 0.0_dp, err)
-        end if
-        call note_awake(gpu, solid%bodies%asleep, err)
-        gpu%fetched = .false.
-        gpu%stepped = .true.
-        gpu%summed = .false.
-        gpu%points_fetched = .false.
-        if (solid%steps > 0) return
-        call refresh_rows(gpu, solid, err)
-        call cohesive_pass(gpu, solid, err)
-        call contact_pass(gpu, solid, 0.0_dp, err)
-    end subroutine begin_step
-
     !> What driven bodies take up in the first half step.
     subroutine book_first_half(gpu, solid, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
@@ -59,7 +35,7 @@ contains
 
     !> Smoothing lengths that follow the density.
     subroutine size_particles(gpu, solid, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         integer :: b
@@ -76,7 +52,7 @@ contains
     !> End the stiff hourglass force, and the tilt, for good where half of the intact neighbours are
     !> gone.
     subroutine end_support(gpu, solid, anew, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid
         logical, intent(in) :: anew(:) !! (bodies) whose lists were built anew
         type(error_t), intent(inout) :: err

@@ -10,12 +10,14 @@ module brz_gpu_solid_search
     use brz_drift_items, only: drift_of
     use brz_formulation_names, only: form_total
     use brz_ghost_wants, only: most_outside
-    use brz_gpu_lists, only: put_changed
-    use brz_gpu_parcels, only: carry_rows, rows_of, gpu_rows_t
+    use brz_lists, only: put_changed => put_changed_table
+    use brz_gpu_parcels, only: carry_rows
+    use brz_rows, only: rows_of => rows_of_copy, rows_t
     use brz_gpu_solid_home, only: put_region
     use brz_gpu_solid_layout, only: grid_gpu_t
     use brz_gpu_solid_lists, only: lay_lists, move_lists, pick_chosen
-    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, news_all, news_part, threads_of
+    use brz_gpu_solid_state, only: threads_of
+    use brz_solid_device, only: body_device_t, solid_device_t, news_all, news_part
     use brz_gpu_solid_books, only: boxes_of_all, find_extent, forget_gone
     use brz_home_launches, only: home_kernels
     use brz_kept_cells, only: kept_cells_t
@@ -38,7 +40,7 @@ contains
     !> are new, unless these lists no longer have room. Links are looked for in the cells of lists;
     !> bodies whose lists are not those of `built` have cells for links alone.
     subroutine build_list(gpu, solid, b, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
@@ -63,7 +65,7 @@ contains
     !> Bring the particles of body b, which has no ghosts, into the order of the cells at their
     !> positions `built`.
     subroutine sort_body(gpu, solid, b, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
@@ -78,7 +80,7 @@ contains
     !> the new ones, and count them; then 1 if any are outside the region of their process, and by
     !> more than they may.
     subroutine renew_places(gpu, solid, b, moved, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         integer(int64), intent(out) :: moved(3) !! particles of this process
@@ -95,7 +97,7 @@ contains
             if (solid%part%keeps) then
                 call put_region(gpu, solid%part%region, err)
                 call home_kernels%note_outside(body%last - body%first + 1, body%first, 4, &
-                    solid%ranks%rank, most_outside(solid), gpu%part%region, gpu%built, &
+                    solid%ranks%rank, most_outside(solid), gpu%region_at, gpu%built, &
                     from(body%marked, n + 3_int64), err)
             end if
             call copy_out(from(body%marked, n + 1_int64), found, 16_int64, err)
@@ -120,7 +122,7 @@ contains
 
     !> Lay the cells of the list of body b, none of which is marked. Four counts follow.
     subroutine unmark_cells(gpu, solid, b, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
@@ -135,7 +137,7 @@ contains
     !> Choose the particles of body b that are within reach of a marked cell, or of that of a ghost
     !> that is new.
     subroutine choose_lists(gpu, solid, b, news, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         integer, intent(in) :: news !! the last of its ghosts that are new
@@ -155,7 +157,7 @@ contains
 
     !> Mean velocity of the mass of body b at the step [m/s].
     subroutine mean_velocity(gpu, solid, b, v, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
         real(dp), intent(out) :: v(3)
@@ -181,7 +183,7 @@ contains
     !> Positions that decide on the neighbours: total-Lagrangian bodies that meet no other keep the
     !> unloaded ones.
     subroutine note_positions(gpu, solid, b, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
@@ -199,7 +201,7 @@ contains
     !> Lay cells over body b for given places, or those that it has kept, and put its particles and
     !> ghosts into them, in `order`; those of a cell in the order of their numbers.
     subroutine order_body(gpu, solid, b, place, reach, err, kept)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
@@ -215,7 +217,7 @@ contains
     !> The same by other cells; within a cell in the order of their places, or numbers. What has
     !> left the region is put behind all cells, into as many as these, by its numbers.
     subroutine fill_cells(gpu, solid, b, place, reach, by_number, err, kept)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
@@ -262,7 +264,7 @@ contains
     !> Choose the cells for body b, those of all processes, or take those that it has kept, and hand
     !> them to the GPU.
     subroutine lay_cells(gpu, solid, b, place, reach, err, kept)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
@@ -311,10 +313,10 @@ contains
 
     !> Bring all arrays of the particles of a body into the order of `order`, by way of `row`.
     subroutine reorder(gpu, body, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(gpu_solid_body_t), intent(in) :: body
+        type(solid_device_t), intent(in) :: gpu
+        type(body_device_t), intent(in) :: body
         type(error_t), intent(inout) :: err
-        type(gpu_rows_t) :: room, there
+        type(rows_t) :: room, there
         integer :: c, k, n
 
         n = body%last - body%first + 1
@@ -334,7 +336,7 @@ contains
 
     !> The lists of body b, whose particles are in the cells.
     subroutine list_body(gpu, b, place, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         type(error_t), intent(inout) :: err
@@ -349,7 +351,7 @@ contains
 
     !> The chosen lists. Lists that no longer have room go behind all others.
     subroutine list_part(gpu, b, place, fits, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         logical, intent(out) :: fits !! else there is no room behind them, and no list is right
@@ -371,7 +373,7 @@ contains
     !> Look for the neighbours of body b: keep 0 counts them, 1 lists them, 2 those for which there
     !> is room; of all its particles, or of the chosen ones.
     subroutine search(gpu, b, place, keep, some, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         integer, intent(in) :: keep

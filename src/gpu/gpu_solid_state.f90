@@ -4,29 +4,26 @@
 !> All arrays of the particles stay on the GPU, see brz_gpu_solid_layout. The host arrays of
 !> `solid_t` are a mirror that brz_gpu_solid_copy refreshes before a dump or a checkpoint.
 module brz_gpu_solid_state
+    use brz_body, only: body_t
     use brz_buffers, only: buffer_t, doubles_t, from, integers_t, reals_t
     use brz_contact_face, only: n_face
-    use brz_device, only: allocate_buffer, copy_in, copy_within, device_t, free_buffer, kernel_t, &
-        reserve_buffer
-    use brz_energy_account, only: ledger_t
+    use brz_device, only: allocate_buffer, copy_in, copy_within, device_t, free_buffer, reserve_buffer
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_formulation_names, only: form_total
-    use brz_gpu_cohesive_state, only: gpu_cohesive_t
     use brz_force_items, only: n_sum
-    use brz_gpu_common, only: gpu_common_t
-    use brz_gpu_exact_sum, only: gpu_exact_t
-    use brz_gpu_face_load, only: gpu_facets_t
-    use brz_gpu_parcels, only: gpu_parcels_t, rows_of, gpu_rows_t
-    use brz_gpu_places, only: gpu_marks_t
     use brz_gpu_solid_layout, only: at_accel, at_damage, at_energy, at_mass, at_mu, at_stress, &
         book_contact_heat, book_load, grid_gpu_t, &
         n_book, n_flag, n_linked_tag, n_tag, n_terms, tag_bond, tag_face, &
         tag_fixed, tag_id, tag_joined, tag_touch, tag_weight
     use brz_hold_layout, only: n_held
     use brz_kinds, only: dp, int64, rk
-    use brz_link_layout, only: link_layout_t, n_press
+    use brz_link_layout, only: n_press
+    use brz_links, only: links_t
     use brz_move_level, only: lost_level
     use brz_pair_layout, only: n_pair
+    use brz_present_table, only: attach, attach_bytes
+    use brz_rows, only: rows_of_copy
+    use brz_solid_device, only: body_device_t, solid_device_t
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
     use brz_solid_places, only: whole_lanes
     use brz_solid_state, only: solid_t
@@ -34,131 +31,13 @@ module brz_gpu_solid_state
     use brz_text, only: to_text
     implicit none
     private
-    public :: columns_t, gpu_solid_t, gpu_solid_body_t, lists_t, open_gpu_solid_memory, &
-        lay_arrays, column_of, tags_of, book_of, threads_of, &
-        bytes_of_real, words_of_real, total_threads
-    public :: news_none, news_part, news_all
+    public :: open_gpu_solid_memory, lay_arrays, attach_solid, attach_links, note_ranges
+    public :: column_of, tags_of, book_of, threads_of, bytes_of_real, words_of_real, total_threads
 
     integer, parameter :: total_threads = 65536 !! partial results over a body
     integer, parameter :: words_of_real = storage_size(1.0_rk)/32 !! of 4 B
     integer(int64), parameter :: bytes_of_real = 4*words_of_real
     integer, parameter :: neighbours_guess = 100 !! entries per particle, to judge the memory
-
-    ! what of a list is new: nothing; near marked cells, and in them; all
-    integer, parameter :: news_none = 0, news_part = 1, news_all = 2
-
-    !> Lists of particles, in slices of slice_width, see brz_gpu_solid_lists.
-    type :: lists_t
-        integer :: first = 1, last = 0 !! particles
-        integer :: gone = 0 !! how many of them, the last ones, are no longer there: is_gone
-        integer :: slices = 0
-        integer :: spare = 0 !! entries more than a list needs that moves; 0: none moves yet
-        integer :: filled = 0 !! end of the last slice
-        type(integers_t) :: slice, list
-        type(integers_t) :: width !! room of a list in each slice
-    end type lists_t
-
-    type, extends(lists_t) :: gpu_solid_body_t
-        integer :: rim = 0 !! last of its ghosts, as in body_t
-        integer :: room = 0 !! places for both
-        logical :: total = .false. !! total-Lagrangian
-        logical :: rigid = .false.
-        logical :: drawn = .false. !! has the hold
-        logical :: layer = .false. !! a single layer, see brz_lone_layer
-        real(rk) :: reach = 0 !! of faces in contact, see strain_face [m]
-        real(rk) :: density = 0 !! unloaded [kg/m3]
-        logical :: tilted = .false. !! total-Lagrangian, with gradients by tilted arms
-        logical :: asleep = .false. !! left out of the steps
-        logical :: packed = .false. !! `far` has the reference of its particles
-        real(dp) :: box(3, 2) = 0 !! corners of `built` [m]
-        type(buffer_t) :: params, material
-        type(integers_t) :: pairs !! those of its list that act, see solid_moments
-        type(buffer_t) :: grid !! cells of its list, and of the search for links with it
-        type(integers_t) :: code, start !! of these, see grid_gpu_t; end of each cell in `order`
-        integer, allocatable :: ends_there(:), grid_there(:), code_there(:)
-        !! what the GPU has: first and last particle, words of `grid`; what `code` was made for
-        type(integers_t) :: marked !! cells of particles with new places: 1
-        type(integers_t) :: below !! (6) 1: particles lie below planes of symmetry, see count_cells
-        integer :: news = news_all !! what of its list is new since links were built
-        type(kernel_t) :: moments, update, forces !! those that suit the body
-    end type gpu_solid_body_t
-
-    !> Pairs of particles of different bodies, arrays of links_t.
-    type, extends(lists_t) :: gpu_links_t
-        type(link_layout_t) :: lay
-        logical :: breaks = .true., frees = .true. !! bonds may break; or what ties may let go
-        type(buffer_t) :: table, touch, weight, face
-        type(integers_t) :: ends, count, met, bond, joined
-        integer, allocatable :: ends_there(:) !! what the GPU has of them
-        type(doubles_t) :: box !! (3, 2, bodies) corners of `built` [m]
-        type(integers_t) :: row !! `count`: not read here
-        type(integers_t) :: loose !! `count`, but 0 of particles that are tied for good
-        integer, allocatable :: awake(:, :) !! (2, bodies) ranges of particles, see note_awake
-        type(integers_t) :: linked, touching !! of these, what may be bonded; may be in contact
-        integer :: n_linked = 0, n_touching = 0 !! how many
-        logical :: listed = .false. !! they are those of the links and bodies of now
-        type(integers_t) :: mark, found !! to list them
-        type(reals_t) :: cell, press
-    end type gpu_links_t
-
-    !> Loads in scenes without air, arrays of loads_t.
-    type :: gpu_loads_t
-        type(gpu_facets_t) :: facets
-        type(integers_t) :: place
-        type(doubles_t) :: mean !! see load_carrier
-    end type gpu_loads_t
-
-    !> Columns of `state` that not every scene has, 0: none.
-    type :: columns_t
-        integer :: grip = 0 !! + 1..3: force on what holds a particle [N]
-        integer :: owed = 0 !! energy that the hold owes [J]
-        integer :: load = 0 !! + 1..3: force of the air, or of the loads [N]
-        integer :: face_stress = 0 !! + 1..6: stress of the load on its faces [Pa]
-        integer :: before = 0 !! + 1..3: velocity a step of the air before [m/s]
-    end type columns_t
-
-    type :: gpu_solid_t
-        logical :: fetched = .true. !! the host arrays hold the state of the GPU
-        logical :: stepped = .false. !! the GPU has made a step
-        logical :: summed = .false. !! the ledgers are those of the present state
-        logical :: settled = .true. !! bodies lie in the host arrays as they do here
-        integer(int64) :: laid = 0 !! how often particles of several processes got other places
-        logical :: linked = .false., bonded = .false. !! bodies meet; some are bonded
-        type(gpu_links_t) :: links
-        type(gpu_cohesive_t) :: cohesive
-        logical :: points_fetched = .true. !! the host has the state of its points
-        type(gpu_loads_t) :: loads
-        integer :: n = 0, n_state = 0 !! places of particles, columns of `state`
-        type(columns_t) :: column
-        type(gpu_solid_body_t), allocatable :: bodies(:)
-        type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
-        real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
-        type(doubles_t) :: sorted !! positions that lists are built for, cell by cell: order_cells
-        type(doubles_t) :: place, reference, built, book, rate, region, partial, sums_of_forces
-        type(reals_t) :: motion, state, row, grad, held, axes, extra
-        type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
-        type(integers_t) :: tag, flags, count, cell, order
-        type(integers_t) :: acting !! (n) how many `pairs` a particle has
-        type(integers_t) :: seat !! every place
-        type(integers_t) :: chosen !! 1: particles whose lists are built anew
-        type(integers_t) :: picked, found !! they, from where a body begins; how many of each
-        type(gpu_marks_t) :: part !! who goes where: brz_gpu_home_steps
-        type(buffer_t) :: k_axes
-        ! parts of these arrays as items have them, under the names of solid_t
-        integer :: wide = 4, step_d = 0, step_p = 1, step_t = 1
-        type(doubles_t) :: x, x_ref, x_built, work, contact_heat
-        type(reals_t) :: v, v_before, volume, a, load, face_stress, grip, mass, mu, energy
-        type(reals_t) :: damage, stress, pair, owed
-        type(integers_t) :: id, fixed, moved
-        type(gpu_exact_t) :: exact
-        type(gpu_common_t) :: common
-        integer :: n_record = 0, n_left = 0
-        type(gpu_rows_t) :: record(7) !! what a particle takes along to another process
-        type(gpu_rows_t) :: left(3) !! what pass 1 leaves for pass 2
-        type(gpu_parcels_t) :: ghosts
-        logical :: offered = .false. !! others have written what they move, and all have met since
-        integer(int64) :: rebuilds = -1 !! of lists before the last step
-    end type gpu_solid_t
 
     ! what becomes of an array of the particles
     integer, parameter :: passes = 0, stays = 1 !! is scratch; holds something for its place
@@ -171,7 +50,7 @@ contains
         type(device_t), intent(in) :: device
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: loaded !! the air, or what the deck says, loads the bodies
-        type(gpu_solid_t), intent(out) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         type(grid_gpu_t) :: grid
         integer :: b
@@ -182,7 +61,6 @@ contains
         call number_columns(solid, loaded, gpu)
         call require(device, solid, gpu, err)
         if (failed(err)) return
-        call gpu%exact%open(solid%ranks, err)
         call gpu%common%open(max(n_book, n_sum), size(solid%bodies), err)
         allocate (gpu%bodies(size(solid%bodies)), gpu%ledger(size(solid%bodies)), &
                   gpu%reaction(3, size(solid%bodies)))
@@ -195,7 +73,7 @@ contains
             call allocate_buffer(gpu%bodies(b)%grid, int(storage_size(grid)/8, int64), err)
         end do
         call lay_arrays(gpu, solid, gpu%bodies%first, err)
-        call gpu%ghosts%open(solid%ranks, solid%part, &
+        call gpu%ghosts%open(solid%ranks, solid%part%out, solid%part%in, &
             max(sum(gpu%record%words*gpu%record%columns), &
                 sum(gpu%left%words) + 6*words_of_real + n_face), err)
         call allocate_buffer(gpu%flags, 4_int64*(n_flag + lost_level*size(solid%bodies)), err)
@@ -209,7 +87,7 @@ contains
 
     !> Arrays for gpu%n places, and what the old ones hold of the bodies.
     subroutine lay_arrays(gpu, solid, old, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: old(:) !! (bodies) where they began
         type(error_t), intent(inout) :: err
@@ -225,7 +103,7 @@ contains
 
     !> Count the bytes of the arrays of the particles, and lay them all.
     subroutine walk(gpu, solid, lays, old, bytes, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         logical, intent(in) :: lays !! else they are only counted
         integer, intent(in) :: old(:) !! see lay_arrays
@@ -281,9 +159,9 @@ contains
             before%address = array%address
             call allocate_buffer(array, 4_int64*words*columns*apart + 8, err)
             if (how == goes) gpu%n_record = gpu%n_record + 1
-            if (how == goes) gpu%record(gpu%n_record) = rows_of(array, words, columns, apart)
+            if (how == goes) gpu%record(gpu%n_record) = rows_of_copy(array, words, columns, apart)
             if (how == is_left) gpu%n_left = gpu%n_left + 1
-            if (how == is_left) gpu%left(gpu%n_left) = rows_of(array, words)
+            if (how == is_left) gpu%left(gpu%n_left) = rows_of_copy(array, words)
             do c = 1, merge(columns, 0, how /= passes)
                 do b = 1, size(gpu%bodies)
                     associate (body => gpu%bodies(b))
@@ -302,7 +180,7 @@ contains
 
     !> Parts of the arrays under the names that items and steps have for them.
     subroutine see_arrays(gpu)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(integers_t) :: tags
 
         gpu%step_d = whole_lanes(gpu%n)
@@ -342,11 +220,91 @@ contains
         end associate
     end subroutine see_arrays
 
+    !> Where the copies of the arrays of solid_t lie, once the arrays of the host or of the GPU have
+    !> been laid anew.
+    subroutine attach_solid(gpu, solid)
+        type(solid_device_t), intent(in) :: gpu
+        type(solid_t), intent(inout) :: solid
+
+        if (.not. allocated(solid%moved)) allocate (solid%moved(lost_level, size(solid%bodies)))
+        if (.not. allocated(solid%work)) allocate (solid%work(solid%n))
+        solid%wide = gpu%wide
+        solid%step_d = gpu%step_d
+        solid%step_p = gpu%step_p
+        solid%step_t = gpu%step_t
+        call attach(solid%x, gpu%x)
+        call attach(solid%x_ref, gpu%x_ref)
+        call attach(solid%x_built, gpu%x_built)
+        call attach(solid%v, gpu%v)
+        call attach(solid%a, gpu%a)
+        call attach(solid%mass, gpu%mass)
+        call attach(solid%mu, gpu%mu)
+        call attach(solid%energy, gpu%energy)
+        call attach(solid%damage, gpu%damage)
+        call attach(solid%stress, gpu%stress)
+        call attach(solid%volume, gpu%volume)
+        call attach(solid%pair, gpu%pair)
+        call attach(solid%work, gpu%work)
+        call attach(solid%id, gpu%id)
+        call attach(solid%fixed, gpu%fixed)
+        call attach(solid%moved, gpu%moved)
+        call attach(solid%region, gpu%region)
+        if (allocated(solid%load)) call attach(solid%load, gpu%load)
+        if (allocated(solid%face_stress)) call attach(solid%face_stress, gpu%face_stress)
+        if (allocated(solid%v_before)) call attach(solid%v_before, gpu%v_before)
+        if (allocated(solid%grip)) call attach(solid%grip, gpu%grip)
+        if (allocated(solid%owed)) call attach(solid%owed, gpu%owed)
+        call attach(solid%device%heat, gpu%contact_heat)
+        if (gpu%linked) call attach_links(gpu, solid%links)
+    end subroutine attach_solid
+
+    !> The same of links_t. Lists of the host only name those of the GPU.
+    subroutine attach_links(gpu, links)
+        type(solid_device_t), intent(in) :: gpu
+        type(links_t), intent(inout) :: links
+
+        if (.not. allocated(links%row)) allocate (links%row(1))
+        if (.not. allocated(links%slice)) allocate (links%slice(1))
+        if (.not. allocated(links%count)) allocate (links%count(1))
+        if (.not. allocated(links%list)) allocate (links%list(1))
+        if (.not. allocated(links%press)) allocate (links%press(n_press, 0:1))
+        if (.not. allocated(links%push)) allocate (links%push(9, 0:1))
+        links%lay = gpu%links%lay
+        call attach(links%ends, gpu%links%ends)
+        call attach_bytes(links%table, size(links%table)*(storage_size(links%table)/8_int64), &
+                          gpu%links%table)
+        call attach(links%cell, gpu%links%cell)
+        call attach(links%touch, gpu%links%touch)
+        call attach(links%weight, gpu%links%weight)
+        if (allocated(links%face)) call attach(links%face, gpu%links%face)
+        call attach(links%bond, gpu%links%bond)
+        if (allocated(links%joined)) call attach(links%joined, gpu%links%joined)
+        call attach(links%row, gpu%links%row)
+        call attach(links%slice, gpu%links%slice)
+        call attach(links%count, gpu%links%count)
+        call attach(links%list, gpu%links%list)
+        call attach(links%press(:, 1:), gpu%links%press)
+        call attach(links%push(:, 1:), gpu%extra)
+    end subroutine attach_links
+
+    !> The bodies have been given other places.
+    subroutine note_ranges(bodies, n, gpu)
+        type(body_t), intent(in) :: bodies(:)
+        integer, intent(in) :: n !! places of all
+        type(solid_device_t), intent(inout) :: gpu
+
+        gpu%bodies%first = bodies%first
+        gpu%bodies%last = bodies%last
+        gpu%bodies%rim = bodies%rim
+        gpu%bodies%room = bodies%room
+        gpu%n = n
+    end subroutine note_ranges
+
     !> Number the columns of `state`.
     subroutine number_columns(solid, loaded, gpu)
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: loaded
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(fields_t) :: fields
 
         call fields_of(solid, fields)
@@ -363,7 +321,7 @@ contains
     subroutine require(device, solid, gpu, err)
         type(device_t), intent(in) :: device
         type(solid_t), intent(in) :: solid
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes
 
@@ -379,14 +337,14 @@ contains
 
     !> A column of the state, from its first particle on.
     pure type(reals_t) function column_of(gpu, column)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: column
 
         column_of = from(gpu%state, (column - 1_int64)*gpu%step_d + 1)
     end function column_of
 
     pure type(integers_t) function tags_of(gpu, column)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: column
 
         tags_of = from(gpu%tag, (column - 1_int64)*gpu%step_d + 1)
@@ -394,7 +352,7 @@ contains
 
     !> A column of the books.
     pure type(doubles_t) function book_of(gpu, column)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: column
 
         book_of = from(gpu%book, (column - 1_int64)*gpu%step_d + 1)
@@ -402,7 +360,7 @@ contains
 
     !> One thread for each particle of a body that is there.
     pure function threads_of(body) result(n)
-        type(gpu_solid_body_t), intent(in) :: body
+        type(body_device_t), intent(in) :: body
         integer :: n(3)
 
         n = [body%last - body%gone - body%first + 1, 1, 1]

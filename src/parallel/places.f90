@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Send lists: places whose particles, cells or faces are in a message, process by process.
 module brz_places
+    use brz_buffers, only: buffer_t
     use brz_kinds, only: int32, int64
     implicit none
     private
@@ -10,9 +11,18 @@ module brz_places
     type :: parcels_t
         integer(int32), allocatable :: place(:) !! of the particles
         integer, allocatable :: first(:) !! (0:processes)
+        ! on a GPU; what a process has for itself mostly goes from array to array there
+        integer(int64), allocatable :: there(:)
+        !! (0:processes - 1) entries in the other arena before those of this process
+        logical :: all = .false. !! what a process has for itself goes the same way
+        integer, allocatable :: run(:, :)
+        !! (2, runs) first place and number of what it has for itself, where that lies in few runs
+        integer :: tiled = 0 !! places in the tiles of all parcels
+        type(buffer_t) :: parcels !! what kernels know of them, see brz_place_items
+        integer, allocatable :: parcels_there(:) !! what the GPU has of that
     end type parcels_t
 
-    !> What lists are made of, see brz_mark_steps.
+    !> What lists are made of, see brz_send_lists.
     type :: marks_t
         integer(int32), allocatable :: mark(:) !! (places, processes)
         integer(int32), allocatable :: sent(:) !! (places, processes) 1: listed before, if kept
@@ -20,6 +30,7 @@ module brz_places
         integer(int32), allocatable :: before(:) !! chunks of marks: how many are marked before
         integer(int32), allocatable :: ends(:), sums(:) !! of bodies, in a row; marks before them
         integer(int32), allocatable :: pieces(:), asks(:) !! small tables
+        integer, allocatable :: ends_there(:) !! what a GPU has of them
     end type marks_t
 
 contains

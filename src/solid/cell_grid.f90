@@ -6,6 +6,7 @@
 !> Neighbours are in neighbouring cells either way.
 module brz_cell_grid
     use brz_body, only: body_t
+    use brz_cell_places, only: cell_along, cells_beyond
     use brz_formulation_names, only: form_total
     use brz_kept_cells, only: kept_cells_t
     use brz_kinds, only: dp, int32, int64
@@ -16,10 +17,9 @@ module brz_cell_grid
     implicit none
     private
     public :: lay_grid, extent, choose_cells, take_cells, fill_cells, cell_span, box_span, &
-        cell_along, cells_beyond, reach_of_lists, cell_of_groups, number_of_cell
+        reach_of_lists, cell_of_groups, number_of_cell
 
     integer, parameter :: cells_per_particle = 2 !! most cells, empty ones included
-    real(dp), parameter :: farthest = 1e15_dp !! [sides of a cell]: whole numbers of real64 end here
 
 contains
 
@@ -215,35 +215,6 @@ contains
             c(a) = cell_along(x(a), s%lo(a), s%size, s%cells(a))
         end do
     end function place
-
-    !> Cell of a coordinate along one axis, from 0; what is no number is in the first.
-    !@cuf attributes(host,device) &
-    pure function cell_along(x, lo, size, cells) result(c)
-        real(dp), intent(in) :: x, lo, size !! coordinate, low corner, side of a cell [m]
-        integer, intent(in) :: cells !! in a period
-        integer :: c
-        real(dp) :: t
-
-        c = 0
-        t = (x - lo)/size
-        if (abs(t) < farthest) c = min(int(t - cells*real(floor(t/cells, int64), dp)), cells - 1)
-    end function cell_along
-
-    !> Cells along one axis after that of x - reach that hold what is within the reach of x, each
-    !> cell once.
-    !@cuf attributes(host,device) &
-    pure function cells_beyond(x, reach, lo, size, cells) result(n)
-        real(dp), intent(in) :: x, reach, lo, size !! low corner, side of a cell [m]
-        integer, intent(in) :: cells !! in a period
-        integer :: n
-        real(dp) :: low, high
-
-        n = 0
-        low = (x - reach - lo)/size
-        high = (x + reach - lo)/size
-        if (abs(low) < farthest .and. abs(high) < farthest) &
-            n = int(min(floor(high, int64) - floor(low, int64), int(cells - 1, int64)))
-    end function cells_beyond
 
     !> Cells lo..hi along each axis that hold everything within a reach of a point.
     pure subroutine cell_span(s, x, reach, lo, hi)

@@ -12,7 +12,6 @@ module brz_cohesive_state
     private
     public :: cohesive_t, cohesive_totals, push_of
 
-    !@mirror
     type :: cohesive_t
         logical :: present = .false.
         integer :: n = 0, nodes = 0 !! points; particles that they see

@@ -2,7 +2,7 @@
 !> How a body drifts as a whole, and who has moved far within it, for its list of neighbours: see
 !> brz_list_drift.
 module brz_drift_items
-    use brz_cell_grid, only: cell_along
+    use brz_cell_places, only: cell_along
     use brz_kinds, only: dp, int32, rk
     use brz_move_level, only: level_of, renewed_level
     use brz_particle_marks, only: is_gone

@@ -15,7 +15,6 @@ module brz_face_load
     public :: arrival_of, first_arrival
 
     !> Facets, those of a particle one after the other.
-    !@mirror
     type :: facets_t
         integer :: n = 0
         integer :: carriers = 0 !! particles that carry some
@@ -46,6 +45,7 @@ module brz_face_load
     type :: loads_t
         type(load_history_t), allocatable :: of(:) !! in the order of the deck
         type(facets_t) :: facets !! of all of them
+        real(dp), allocatable :: mean(:) !! pressures of the step, in the order of the deck [Pa]
         integer(int32), allocatable :: place(:) !! (particles) where the particle of a number lies;
                                                 !! negative: its ghost does; 0: elsewhere
         integer :: rebuilds = -1 !! of the lists, when `place` was filled

@@ -4,6 +4,7 @@ module brz_link_rows
     use brz_bond_marks, only: bond_whole
     use brz_contact, only: law_bonded
     use brz_contact_items, only: owner_of
+    use brz_force_layout, only: at_drag, at_heat, at_stiff
     use brz_kinds, only: dp, int32, int64
     use brz_link_layout, only: link_unit, mask_unit
     use brz_links, only: links_t
@@ -12,7 +13,7 @@ module brz_link_rows
     implicit none
     private
     public :: first_link, last_link, link_partner, link_mask, is_bonded, joined_of
-    public :: glue_of, nodes_of, layout_of_pushes
+    public :: glue_of, nodes_of, heat_of, layout_of_pushes
 
     real(dp), target :: no_glue(3, 0:0) = 0
 
@@ -87,6 +88,15 @@ contains
         if (solid%cohesive%present) node => solid%cohesive%row
     end function nodes_of
 
+    !> Heat of contact of each particle [J]; on the CPU among the work of the loads.
+    function heat_of(solid) result(heat)
+        type(solid_t), intent(in), target :: solid
+        real(dp), pointer, contiguous :: heat(:)
+
+        heat => solid%work
+        if (solid%on_gpu) heat => solid%device%heat
+    end function heat_of
+
     !> How links%push lies: springs, drag, torque of drag; forces of interfaces are not among them.
     pure function layout_of_pushes(solid) result(lay)
         type(solid_t), intent(in) :: solid
@@ -94,5 +104,7 @@ contains
 
         lay = push_layout_t(compact=1, step_c=1, step_p=9, drag=3, torque=6, heat=0, &
                             glued=merge(1, 0, solid%cohesive%present))
+        if (solid%on_gpu) lay = push_layout_t(compact=0, step_c=solid%step_d, step_p=1, &
+            drag=at_drag, torque=at_stiff, heat=at_heat, glued=0)
     end function layout_of_pushes
 end module brz_link_rows

@@ -10,9 +10,10 @@ module brz_solid_ghosts
     use brz_kinds, only: rk
     use brz_link_layout, only: n_press
     use brz_mail, only: mail_t
-    use brz_parcels, only: rows_t, send_rows
+    use brz_parcels, only: send_rows
     use brz_places, only: parcels_t
     use brz_ranks, only: ranks_t, several
+    use brz_rows, only: rows_t
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_single, memory_of
     use brz_solid_state, only: solid_t
     implicit none

@@ -13,6 +13,7 @@ module brz_solid_state
     use brz_material, only: material_t
     use brz_ranks, only: ranks_t
     use brz_search_arrays, only: search_t
+    use brz_solid_device, only: solid_device_t
     use brz_solid_part, only: solid_part_t
     implicit none
     private
@@ -20,6 +21,8 @@ module brz_solid_state
 
     type :: solid_t
         logical :: present = .false.
+        logical :: on_gpu = .false. !! it is computed there; the arrays below are fetched
+        type(solid_device_t), pointer :: device => null() !! what it has there besides
         type(ranks_t) :: ranks !! the processes that share the particles
         type(solid_part_t) :: part !! what this one has to do with others
         integer :: n = 0 !! particles, with the ghosts of those of other processes

@@ -5,25 +5,20 @@ module brz_backend
     use brz_device, only: device_t, load_kernels, open_device
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_files, only: program_path
-    use brz_buffers, only: buffer_t, doubles_t, integers_t, reals_t
-    use brz_gpu_coupling_state, only: gpu_coupling_t, range_t, seen_t
     use brz_gpu_solid_bodies, only: cannot_run_solid
-    use brz_gpu_solid_state, only: gpu_solid_t
     use brz_ranks, only: ranks_t, several
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     use brz_version, only: device_code
     implicit none
     private
-    public :: backend_t, choose_backend, settle_backend, particles_of
+    public :: backend_t, choose_backend, settle_backend
 
     type :: backend_t
         logical :: on_gpu = .false. !! the air
         logical :: bodies_on_gpu = .false.
         logical :: coupling_on_gpu = .false. !! both are there
         type(device_t) :: device
-        type(gpu_solid_t) :: solid
-        type(gpu_coupling_t) :: coupling
     end type backend_t
 
 contains
@@ -125,16 +120,4 @@ contains
             path = program(:slash)//'../lib/brisance/'//program(slash + 1:)//'.ptx'
         end function installed
     end function kernel_file
-
-    !> The particles on the GPU as the coupling there sees them.
-    pure function particles_of(solid) result(p)
-        type(gpu_solid_t), intent(in) :: solid
-        type(seen_t) :: p
-        integer :: b
-
-        p = seen_t(n=solid%n, step_d=solid%step_d, x=solid%x, v=solid%v, mass=solid%mass, &
-                   load=solid%load, face_stress=solid%face_stress, fixed=solid%fixed, id=solid%id, &
-                   v_before=solid%v_before, rebuilds=solid%laid)
-        p%bodies = [(range_t(solid%bodies(b)%first, solid%bodies(b)%last), b=1, size(solid%bodies))]
-    end function particles_of
 end module brz_backend

@@ -5,28 +5,23 @@ module brz_backend_fetch
     use brz_air_state, only: air_t, wall_t
     use brz_backend, only: backend_t
     use brz_cohesive_part, only: share_points
+    use brz_coupling_copy, only: fetch_books, fetch_coupling, note_coupling
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: coupling_totals
+    use brz_debt_steps, only: ledger_totals
     use brz_errors, only: error_t, failed
-    use brz_force_steps, only: forces_on_body, n_forces
-    use brz_gpu_force_steps, only: gpu_forces_on_body => forces_on_body
     use brz_gpu_air_state, only: fetch_air, fetch_cells, fetch_walls, note_air
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
-    use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, note_coupling
-    use brz_gpu_debt_steps, only: gpu_ledger_totals => ledger_totals
     use brz_gpu_cohesive_part, only: fetch_gpu_points
     use brz_gpu_solid_copy, only: fetch_particles, fetch_solid, note_solid, settle_bodies
     use brz_gpu_solid_books, only: fetch_ledgers
-    use brz_gpu_total_steps, only: gpu_sums_of_bodies => sums_of_bodies
     use brz_kinds, only: dp, rk
     use brz_ranks, only: bits_of_all, several
     use brz_snapshots, only: snapshot_t
     use brz_solid_state, only: solid_t
-    use brz_solid_sums, only: n_sum
-    use brz_total_steps, only: sums_of_bodies
     implicit none
     private
-    public :: stock_of_air, stock_of_books, stock_of_bodies, stock_of_forces, stock_of_interfaces
+    public :: stock_of_air, stock_of_books, stock_of_interfaces
     public :: fetch_sums, fetch_order, fetch_debts, fetch_state, take_snapshot
     public :: fetch_followed, fetch_around
 
@@ -50,9 +45,9 @@ contains
             gas = totals(1:5)
             kept = 0
             more = 0
-            if (backend%coupling_on_gpu) then
-                call gpu_ledger_totals(air%device, backend%coupling, kept, more, err)
-                call fetch_books(backend%coupling, coupling, err)
+            if (coupling%on_gpu) then
+                call ledger_totals(air, coupling, kept, more, err)
+                call fetch_books(coupling, err)
             end if
             kinetic = totals(0)
             products = totals(6) + more
@@ -62,44 +57,14 @@ contains
         end if
     end subroutine stock_of_air
 
-    !> Sums over the particles of each body.
-    subroutine stock_of_bodies(backend, solid, sums, err)
-        type(backend_t), intent(inout) :: backend
-        type(solid_t), intent(in) :: solid
-        real(dp), intent(out) :: sums(n_sum, size(solid%bodies)) !! see sum_state
-        type(error_t), intent(inout) :: err
-
-        if (backend%bodies_on_gpu) then
-            call gpu_sums_of_bodies(backend%solid, solid, sums, err)
-        else
-            call sums_of_bodies(solid, sums)
-        end if
-    end subroutine stock_of_bodies
-
     !> Bring the books of the particles of this process up to date, before those of all are opened.
     subroutine stock_of_books(backend, solid, err)
         type(backend_t), intent(inout) :: backend
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
-        if (backend%bodies_on_gpu) call fetch_ledgers(backend%solid, solid, err)
+        if (backend%bodies_on_gpu) call fetch_ledgers(solid%device, solid, err)
     end subroutine stock_of_books
-
-    !> Force and moment of body b on what holds it, force of its load and of other bodies.
-    subroutine stock_of_forces(backend, solid, b, at, sums, err)
-        type(backend_t), intent(inout) :: backend
-        type(solid_t), intent(in) :: solid
-        integer, intent(in) :: b
-        real(dp), intent(in) :: at(3) !! point of the moment [m]
-        real(dp), intent(out) :: sums(n_forces)
-        type(error_t), intent(inout) :: err
-
-        if (backend%bodies_on_gpu) then
-            call gpu_forces_on_body(backend%solid, solid, b, at, sums, err)
-        else
-            call forces_on_body(solid, b, at, sums)
-        end if
-    end subroutine stock_of_forces
 
     !> Bring what cohesive interfaces hold and have spent up to date on the host, of all processes.
     subroutine stock_of_interfaces(backend, solid, err)
@@ -108,7 +73,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (backend%bodies_on_gpu) &
-            call fetch_gpu_points(backend%solid, .false., solid%cohesive, err)
+            call fetch_gpu_points(solid%device, .false., solid%cohesive, err)
         call share_points(solid)
     end subroutine stock_of_interfaces
 
@@ -121,7 +86,7 @@ contains
 
         if (failed(err)) return
         if (backend%on_gpu) call gpu_outflow(air%device, air, err)
-        if (backend%bodies_on_gpu) call fetch_ledgers(backend%solid, solid, err)
+        if (backend%bodies_on_gpu) call fetch_ledgers(solid%device, solid, err)
     end subroutine fetch_sums
 
     !> Bring to the host what several processes must know of each other before they gather: where
@@ -132,19 +97,18 @@ contains
         type(error_t), intent(inout) :: err
 
         if (failed(err) .or. .not. backend%bodies_on_gpu) return
-        call settle_bodies(backend%solid, solid, err)
-        call fetch_gpu_points(backend%solid, .false., solid%cohesive, err)
+        call settle_bodies(solid%device, solid, err)
+        call fetch_gpu_points(solid%device, .false., solid%cohesive, err)
     end subroutine fetch_order
 
     !> The same for a checkpoint: debts and books of the coupling.
-    subroutine fetch_debts(backend, air, coupling, err)
-        type(backend_t), intent(inout) :: backend
+    subroutine fetch_debts(air, coupling, err)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
 
-        if (failed(err) .or. .not. backend%coupling_on_gpu) return
-        call fetch_coupling(backend%coupling, air%device, air, coupling, err)
+        if (failed(err) .or. .not. coupling%on_gpu) return
+        call fetch_coupling(air, coupling, err)
     end subroutine fetch_debts
 
     !> Bring the state to the host, for a dump or a checkpoint, with fetch_sums before. It is read
@@ -158,20 +122,21 @@ contains
 
         if (failed(err)) return
         if (backend%on_gpu) call fetch_air(air%device, air, err)
-        if (backend%bodies_on_gpu) call fetch_solid(backend%solid, solid, err)
-        if (backend%coupling_on_gpu) &
-            call fetch_coupling(backend%coupling, air%device, air, coupling, err)
+        if (backend%bodies_on_gpu) call fetch_solid(solid%device, solid, err)
+        if (coupling%on_gpu) call fetch_coupling(air, coupling, err)
     end subroutine fetch_state
 
     !> Put by what fetch_state reads; whether that was done tells snapshot%room.
-    subroutine take_snapshot(backend, air, snapshot)
+    subroutine take_snapshot(backend, air, solid, coupling, snapshot)
         type(backend_t), intent(in) :: backend
         type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(in) :: coupling
         type(snapshot_t), intent(out) :: snapshot
 
         if (backend%on_gpu) call note_air(air%device, snapshot)
-        if (backend%bodies_on_gpu) call note_solid(backend%solid, snapshot)
-        if (backend%coupling_on_gpu) call note_coupling(backend%coupling, air%device, snapshot)
+        if (backend%bodies_on_gpu) call note_solid(solid%device, solid%cohesive, snapshot)
+        if (coupling%on_gpu) call note_coupling(coupling, snapshot)
         call snapshot%take()
     end subroutine take_snapshot
 
@@ -186,9 +151,9 @@ contains
 
         if (.not. backend%bodies_on_gpu .or. failed(err)) return
         if (all) then
-            call fetch_solid(backend%solid, solid, err)
+            call fetch_solid(solid%device, solid, err)
         else
-            call fetch_particles(backend%solid, id, place, solid, err)
+            call fetch_particles(solid%device, id, place, solid, err)
         end if
     end subroutine fetch_followed
 

@@ -7,8 +7,7 @@ module brz_ledger
     use brz_air_state, only: air_t
     use brz_air_totals, only: counts_of_all, outflow_of_all
     use brz_backend, only: backend_t
-    use brz_backend_fetch, only: stock_of_air, stock_of_books, stock_of_interfaces, &
-        stock_of_bodies
+    use brz_backend_fetch, only: stock_of_air, stock_of_books, stock_of_interfaces
     use brz_cohesive_setup, only: interface_name
     use brz_cohesive_state, only: cohesive_totals
     use brz_coupling_state, only: coupling_books_t, coupling_t
@@ -18,6 +17,7 @@ module brz_ledger
     use brz_solid_books, only: books_t, close_all_books, open_all_books
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: n_sum, solid_totals_t, totals_of_sums
+    use brz_total_steps, only: sums_of_bodies
     implicit none
     private
     public :: balance_t, ledger_start_t, take_stock, is_balanced, energy_columns, ledger_row
@@ -165,7 +165,7 @@ contains
 
         call stock_of_books(backend, solid, err)
         call open_all_books(solid, books)
-        call stock_of_bodies(backend, solid, of_bodies, err)
+        call sums_of_bodies(solid, of_bodies, err)
         call totals_of_sums(solid, 0, of_bodies, sums)
         mass = sums%mass
         ledger%solid_kinetic = sums%kinetic

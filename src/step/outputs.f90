@@ -2,12 +2,13 @@
 !> What a run writes and when: histories, dumps, checkpoints, progress lines.
 module brz_outputs
     use, intrinsic :: iso_fortran_env, only: error_unit
-    use brz_backend_fetch, only: fetch_around, fetch_followed, stock_of_forces
+    use brz_backend_fetch, only: fetch_around, fetch_followed
     use brz_checkpoint, only: drop_later_checkpoints, find_checkpoint, read_checkpoint
     use brz_clock, only: resume_clock, tick
     use brz_command_line, only: options_t
     use brz_coupling_setup, only: restart_coupling
     use brz_dumps, only: cut_dumps, start_dumps
+    use brz_force_steps, only: forces_on_body
     use brz_errors, only: error_t, exit_io, exit_numerical, failed, raise
     use brz_gauge_quantities, only: from_impulse
     use brz_gauges, only: gauge_names, gauge_particles, gauge_places, gauge_points, gauge_row, &
@@ -163,7 +164,7 @@ contains
         sim%start = ledger_start_t(.true., sums(1), sums(2), sums(3:5), sums(6), sums(7), &
                                    sums(8), sums(9))
         call resume_clock(sim%clock)
-        call resume_solid(sim%solid)
+        call resume_solid(sim%solid, err)
         if (sim%coupling%present) call restart_coupling(sim%air, sim%solid, sim%coupling)
     end subroutine restart
 
@@ -240,7 +241,7 @@ contains
         do g = 1, gauges%n
             associate (gauge => gauges%list(g))
                 if (gauge%of%whole == 0 .or. gauge%of%whole >= from_impulse) cycle
-                call stock_of_forces(sim%backend, sim%solid, gauge%body, gauge%at, gauge%force, err)
+                call forces_on_body(sim%solid, gauge%body, gauge%at, gauge%force, err)
             end associate
         end do
     end subroutine weigh_bodies

@@ -34,7 +34,7 @@ contains
         type(stage_t) :: stage
         integer :: m
 
-        call move_walls(solid, solid, coupling)
+        call move_walls(solid, solid, coupling, err)
         call fill_solid_cells(air, coupling)
         call begin_step(air, none, err)
         solid%load(:, :solid%n) = 0
@@ -46,21 +46,22 @@ contains
             call add_forces(air, solid, coupling, share_of(m, air%n_stages), dt)
             call update(air, stage%dt, stage%weight, m == 1)
         end do
-        call load_carriers(solid, solid, coupling)
+        call load_carriers(solid, coupling, err)
     end subroutine paper_step
 
     !> The map of solid cells after the particles have moved. A cell that the solid leaves keeps the
     !> gas it was filled with.
-    subroutine move_paper_walls(air, solid, coupling)
+    subroutine move_paper_walls(air, solid, coupling, err)
         type(air_t), intent(inout) :: air
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
+        type(error_t), intent(inout) :: err
         integer :: moved
 
-        call look_at_particles(solid, coupling, moved)
+        call look_at_particles(solid, coupling, moved, err)
         if (moved > 0 .or. solid%rebuilds /= coupling%rebuilds) &
-            call put_up_walls(air, solid, coupling)
+            call put_up_walls(air, solid, coupling, err)
         coupling%rebuilds = solid%rebuilds
-        call move_walls(solid, solid, coupling)
+        call move_walls(solid, solid, coupling, err)
     end subroutine move_paper_walls
 end module brz_paper_step

@@ -137,13 +137,14 @@ contains
             call fetch_order(sim%backend, sim%solid, err)
             call begin_bodies(saves%together, sim%solid)
             if (writer%dump == no_dump) then
-                call fetch_debts(sim%backend, sim%air, sim%coupling, err)
+                call fetch_debts(sim%air, sim%coupling, err)
                 call begin_state(saves%together, sim%air, sim%coupling)
             end if
             saves%together%by_files = writer%apart
             call forget_parcel(sim%ranks, path_of(saves, writer))
         end if
-        if (writer%apart .and. .not. failed(err)) call take_snapshot(sim%backend, sim%air, snapshot)
+        if (writer%apart .and. .not. failed(err)) &
+            call take_snapshot(sim%backend, sim%air, sim%solid, sim%coupling, snapshot)
         if (snapshot%room == 0) &
             call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
         call agree(sim%ranks, err)

@@ -81,7 +81,7 @@ contains
         if (sim%solid%present) call setup_stage('neighbours')
         call start_solid(sim%solid, err)
         if (failed(err)) return
-        call begin_between(sim%solid)
+        call begin_between(sim%solid, err)
         if (sim%air%present .and. sim%solid%present) call setup_stage('coupling')
         call set_up_coupling(sim%case, sim%air, sim%solid, sim%coupling, err)
         if (failed(err)) return

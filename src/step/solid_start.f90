@@ -34,7 +34,7 @@ contains
 
         if (.not. solid%present) return
         if (.not. several(solid%ranks)) call find_skin(solid)
-        call build_neighbours(solid, sort=.true.)
+        call build_neighbours(solid, .true., err)
         call size_particles(solid)
         call count_support(solid)
         call refresh_motion(solid)
@@ -51,11 +51,12 @@ contains
     end subroutine start_solid
 
     !> After a restart: what a checkpoint does not hold follows from what it holds.
-    subroutine resume_solid(solid)
+    subroutine resume_solid(solid, err)
         type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
 
         if (.not. solid%present) return
-        call build_neighbours(solid, sort=.false.)
+        call build_neighbours(solid, .false., err)
         call size_particles(solid)
         call refresh_motion(solid)
     end subroutine resume_solid

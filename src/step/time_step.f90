@@ -3,16 +3,18 @@
 module brz_time_step
     use brz_air_setup, only: time_step_ramp
     use brz_air_state, only: air_ok
-    use brz_backend_coupling, only: exchange_gas, load_bodies, set_walls
     use brz_air_steps, only: air_step
     use brz_backend_step, only: advance_solid, limit_of_air
     use brz_inflow_steps, only: let_in
     use brz_paper_step, only: move_paper_walls, paper_step
     use brz_clock, only: next_due
+    use brz_device, only: wait_for_device
     use brz_errors, only: error_t, exit_numerical, failed, raise
+    use brz_exchange_steps, only: reclassify, set_wall_velocity, spread_load, wake_loaded
     use brz_face_load, only: first_arrival
     use brz_host_calls, only: enter_part
     use brz_kinds, only: dp, int64
+    use brz_ranks, only: agree
     use brz_simulation, only: simulation_t
     use brz_solid_sleep, only: particles_awake
     use brz_solid_start, only: solid_time_step
@@ -42,7 +44,8 @@ contains
         mark = wall_seconds()
         if (sim%coupling%present .and. .not. sim%coupling%paper) then
             call enter_part('walls')
-            call set_walls(sim%backend, sim%air, sim%solid, sim%coupling, dt, err)
+            call set_wall_velocity(sim%air, sim%solid, sim%coupling, dt, err)
+            call end_part(sim, err)
             call lap(mark, sim%progress%coupling_seconds)
         end if
         call enter_part('air')
@@ -59,10 +62,11 @@ contains
         if (failed(err)) return
         if (sim%coupling%present) then
             if (sim%coupling%paper) then
-                call move_paper_walls(sim%air, sim%solid, sim%coupling)
+                call move_paper_walls(sim%air, sim%solid, sim%coupling, err)
             else
                 call enter_part('exchange')
-                call exchange_gas(sim%backend, sim%air, sim%solid, sim%coupling, err)
+                call reclassify(sim%air, sim%solid, sim%coupling, err)
+                call end_part(sim, err)
             end if
             call lap(mark, sim%progress%coupling_seconds)
         end if
@@ -70,6 +74,15 @@ contains
         sim%clock%time = sim%clock%time + dt
         sim%clock%cycle = sim%clock%cycle + 1
     end subroutine advance
+
+    !> A part of the step of the coupling ends when the GPU has done it, so that the times that a
+    !> run reports for its parts are their own.
+    subroutine end_part(sim, err)
+        type(simulation_t), intent(in) :: sim
+        type(error_t), intent(inout) :: err
+
+        if (sim%coupling%on_gpu) call wait_for_device(err)
+    end subroutine end_part
 
     !> While the bodies of a scene without air sleep the clock goes to the first load, or to an
     !> output on the way; then they wake.
@@ -104,7 +117,7 @@ contains
         sim%limiter = 'dt_max'
         limit = dt
         if (sim%air%present) then
-            limit = limit_of_air(sim%backend, sim%air, sim%coupling%wall, sim%case%air%cfl, &
+            limit = limit_of_air(sim%backend, sim%air, sim%coupling, sim%case%air%cfl, &
                                  sim%clock%time, err)* &
                     time_step_ramp(sim%clock%cycle, sim%case%air%ramp_steps)
         else if (sim%solid%present) then
@@ -200,7 +213,11 @@ contains
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
 
-        call load_bodies(sim%backend, sim%solid, sim%coupling, dt, err)
+        call spread_load(sim%solid, sim%coupling, dt, err)
+        call end_part(sim, err)
+        if (sim%solid%on_gpu) sim%solid%device%fetched = .false.
+        if (any(sim%solid%bodies%asleep)) call wake_loaded(sim%solid, sim%coupling, dt, err)
+        if (sim%coupling%on_gpu) call agree(sim%solid%ranks, err)
         if (particles_awake(sim%solid) > 0) sim%substeps = substeps(sim, dt)
     end subroutine load_solid
 
@@ -213,7 +230,7 @@ contains
 
         do k = 1, sim%substeps
             call enter_part('bodies')
-            call advance_solid(sim%backend, sim%solid, dt/sim%substeps, err)
+            call advance_solid(sim%solid, dt/sim%substeps, err)
             if (failed(err)) return
         end do
         sim%progress%particle_steps = sim%progress%particle_steps + &

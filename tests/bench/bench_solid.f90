@@ -166,7 +166,7 @@ contains
             call force_pass(solid, dt*1e-6_dp)
         case (list)
             solid%bodies%cells%renewals = -1 ! as a whole
-            call build_neighbours(solid, sort=.true.)
+            call build_neighbours(solid, .true., err)
         case (whole)
             call solid_step(solid, dt, err)
         end select

@@ -10,20 +10,20 @@ program bench_gpu_solid
     use brz_bench_floors, only: argument
     use brz_device, only: copy_out, device_t, free_all, wait_for_device
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_copy, only: open_gpu_solid
-    use brz_gpu_solid_list_steps, only: build_neighbours
-    use brz_gpu_solid_state, only: gpu_solid_t
-    use brz_gpu_motion_steps, only: kick_bodies
     use brz_gpu_solid_forces, only: force_pass
     use brz_gpu_solid_gradients, only: fill_rows, find_gradients, gradient_pass, sum_moments, &
         update_material
-    use brz_gpu_solid_steps, only: gpu_solid_step => solid_step
     use brz_gpu_solid_books, only: fetch_limit
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step
     use gpu_scenes, only: make_solid
     use gpu_tools, only: get_device, start_timer, stop_timer
+    use brz_motion_steps, only: kick_bodies
+    use brz_solid_device, only: solid_device_t
+    use brz_solid_list_steps, only: build_neighbours
+    use brz_solid_steps, only: solid_step
+    use brz_solid_to_gpu, only: move_solid_to_gpu
     implicit none
 
     character(90), parameter :: cases(5) = [character(90) :: &
@@ -52,7 +52,6 @@ contains
     subroutine measure(what)
         character(*), intent(in) :: what !! material, formulation
         type(solid_t) :: solid
-        type(gpu_solid_t) :: gpu
         character(400) :: text
         real(dp) :: side
 
@@ -62,13 +61,13 @@ contains
             "material='m', spin=10,20,30, box=0,", side, ',0,', side, ',0,', side, ', smoothing=', &
             argument(2, 1.2_dp), trim(what(index(what, '/') + 1:)), ' /'
         call make_solid(trim(text), solid, asleep=.true.)
-        call open_gpu_solid(device, solid, .false., gpu, err)
+        call move_solid_to_gpu(device, solid, .false., err)
         call check()
         write (output_unit, '(3a, i0, a, i0, 2a)') trim(what(index(what, '/') + 3:)), ', ', &
             what(:index(what, '/') - 2)//', real', storage_size(1.0_rk), ', ', solid%n, &
-            ' particles, ', words_of(gpu, solid)
-        call time_parts(gpu, solid)
-        call time_steps(gpu, solid)
+            ' particles, ', words_of(solid%device, solid)
+        call time_parts(solid%device, solid)
+        call time_steps(solid%device, solid)
         call free_all()
     end subroutine measure
 
@@ -80,8 +79,8 @@ contains
 
     !> Neighbours and memory, in words.
     function words_of(gpu, solid) result(text)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
+        type(solid_device_t), intent(in) :: gpu
+        type(solid_t), intent(inout) :: solid
         character(80) :: text
         integer, allocatable :: count(:)
 
@@ -93,7 +92,7 @@ contains
     end function words_of
 
     pure integer(int64) function own_bytes(gpu)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_device_t), intent(in) :: gpu
 
         own_bytes = gpu%place%bytes + gpu%reference%bytes + gpu%built%bytes + gpu%motion%bytes &
             + gpu%state%bytes + gpu%tag%bytes + gpu%book%bytes + gpu%row%bytes + gpu%grad%bytes &
@@ -103,14 +102,14 @@ contains
 
     !> Milliseconds of each part, the best of a few.
     subroutine time_parts(gpu, solid)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         character(12), parameter :: names(8) = [character(12) :: 'drift', 'moments', 'gradients', &
             'material', 'rows', 'forces', 'limit', 'lists']
         real(dp) :: best(size(names))
         integer :: k, m
 
-        call build_neighbours(gpu, solid, .true., [.true.], err)
+        call build_neighbours(solid, .true., err, [.true.])
         call gradient_pass(gpu, solid, 0.0_dp, err)
         call force_pass(gpu, solid, 0.0_dp, err)
         best = huge(1.0_dp)
@@ -121,14 +120,14 @@ contains
                 solid%bodies%cells%renewals = -1 ! lists are built as a whole
                 call start_timer(err)
                 select case (k)
-                case (1); call kick_bodies(gpu, solid, 0.0_dp, err)
+                case (1); call kick_bodies(solid, 0.0_dp, err)
                 case (2); call sum_moments(gpu, gpu%bodies(1), err)
                 case (3); call find_gradients(gpu, gpu%bodies(1), 0.0_rk, err)
                 case (4); call update_material(gpu, gpu%bodies(1), 1e-12_rk, err)
                 case (5); call fill_rows(gpu, gpu%bodies(1), 1e-12_rk, err)
                 case (6); call force_pass(gpu, solid, 1e-12_dp, err)
                 case (7); call fetch_limit(gpu, solid, err)
-                case (8); call build_neighbours(gpu, solid, .true., [.true.], err)
+                case (8); call build_neighbours(solid, .true., err, [.true.])
                 end select
                 best(k) = min(best(k), stop_timer(err))
             end do
@@ -141,7 +140,7 @@ contains
 
     !> Whole steps at the stable time step, lists as they are due.
     subroutine time_steps(gpu, solid)
-        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, parameter :: steps = 20
         real(dp) :: seconds
@@ -149,11 +148,11 @@ contains
 
         solid%steps = 1
         call fetch_limit(gpu, solid, err)
-        call gpu_solid_step(gpu, solid, 0.5_dp*solid_time_step(solid), err)
+        call solid_step(solid, 0.5_dp*solid_time_step(solid), err)
         call wait_for_device(err)
         call start_timer(err)
         do m = 1, steps
-            call gpu_solid_step(gpu, solid, solid_time_step(solid), err)
+            call solid_step(solid, solid_time_step(solid), err)
         end do
         seconds = stop_timer(err)/steps
         call check()

@@ -3,34 +3,33 @@
 module gpu_coupled_scene
     use brz_air_setup, only: make_grid
     use brz_air_state, only: air_t, bc_outflow, bc_periodic, bc_symmetry, bc_wall, cell_gamma
+    use brz_coupling_copy, only: open_gpu_coupling
     use brz_coupling_setup, only: couple
     use brz_coupling_state, only: coupling_t
+    use brz_debt_steps, only: ledger_totals
     use brz_device, only: copy_in, device_t
+    use brz_device_data, only: update_device
     use brz_errors, only: error_t, failed
     use brz_formulation_names, only: form_rigid
     use brz_gas, only: to_conserved
     use brz_gpu_air_state, only: bytes_of_real, open_gpu_air
     use brz_gpu_air_sums, only: gpu_air_totals
-    use brz_gpu_coupling_copy, only: open_gpu_coupling
-    use brz_gpu_coupling_state, only: gpu_coupling_t, range_t, seen_t
-    use brz_gpu_debt_steps, only: gpu_ledger_totals => ledger_totals
-    use brz_gpu_lists, only: at_least
     use brz_kinds, only: dp, int64, int8, rk
+    use brz_lists, only: at_least
+    use brz_present_table, only: buffer_of
     use brz_solid_state, only: solid_t
     use gpu_tools, only: get_device
     implicit none
     private
-    public :: both_t, ranges_of, start, noise, stir_gas, put_particles, change_motion, shake, &
+    public :: both_t, start, hand_over, noise, stir_gas, put_particles, change_motion, shake, &
               stock, gas_scale
 
-    !> A scene on both machines.
+    !> A scene on both machines: on the GPU it is `other`, `twin` and `far`.
     type :: both_t
         type(air_t) :: air, other
-        type(solid_t) :: solid
+        type(solid_t) :: solid, twin
         type(coupling_t) :: coupling, far
         type(device_t) :: device
-        type(gpu_coupling_t) :: gpu
-        type(seen_t) :: particles
         type(error_t) :: err
     end type both_t
 
@@ -47,34 +46,42 @@ contains
         call make_air(n, periodic, present(products), s%air)
         call make_particles(s%air, count, s%solid)
         if (present(bodies)) call make_bodies(s%solid)
-        s%other = s%air
         call couple(s%air, s%solid, 1.5_rk, 1e5_rk, s%coupling)
-        call get_device(s%device, s%err)
-        s%far = s%coupling
-        s%other%u = s%air%u
-        call open_gpu_air(s%device, s%other, .true., s%err)
-        s%particles%n = count
-        s%particles%step_d = count
-        if (present(bodies)) s%particles%bodies = ranges_of(s%solid)
-        call at_least(s%particles%x, 4, count, s%err)
-        call at_least(s%particles%v, 4, count, s%err)
-        call at_least(s%particles%mass, count, s%err)
-        call at_least(s%particles%load, 3, count, s%err)
-        call at_least(s%particles%id, count, s%err)
-        call at_least(s%particles%fixed, count, s%err)
-        call put_particles(s)
-        call open_gpu_coupling(s%other, s%solid, s%far, s%particles, s%other%device, s%gpu, s%err)
-        if (failed(s%err)) print *, s%err%text
+        call hand_over(s)
     end subroutine start
 
-    !> Particles of each body.
-    pure function ranges_of(solid) result(ranges)
-        type(solid_t), intent(in) :: solid
-        type(range_t) :: ranges(size(solid%bodies))
+    !> The GPU goes on from the scene of the CPU.
+    subroutine hand_over(s)
+        type(both_t), intent(inout) :: s
 
-        ranges%first = solid%bodies%first
-        ranges%last = solid%bodies%last
-    end function ranges_of
+        call get_device(s%device, s%err)
+        s%other = s%air
+        s%far = s%coupling
+        call open_gpu_air(s%device, s%other, .true., s%err)
+        call open_twin(s)
+        call put_particles(s)
+        call open_gpu_coupling(s%other, s%twin, s%far, s%err)
+        if (failed(s%err)) print *, s%err%text
+    end subroutine hand_over
+
+    !> The particles as solids on a GPU have them.
+    subroutine open_twin(s)
+        type(both_t), intent(inout) :: s
+
+        s%twin = s%solid
+        s%twin%on_gpu = .true.
+        s%twin%wide = 4
+        s%twin%step_d = s%solid%n
+        s%twin%step_p = 1
+        s%twin%step_t = 1
+        deallocate (s%twin%x, s%twin%v)
+        call at_least(.true., s%twin%x, 4, s%solid%n, s%err)
+        call at_least(.true., s%twin%v, 4, s%solid%n, s%err)
+        call at_least(.true., s%twin%mass, s%solid%n, s%err)
+        call at_least(.true., s%twin%load, 3, s%solid%n, s%err)
+        call at_least(.true., s%twin%id, s%solid%n, s%err)
+        call at_least(.true., s%twin%fixed, s%solid%n, s%err)
+    end subroutine open_twin
 
     !> Numbers between 0 and 1 that depend on the seed alone.
     pure real(dp) function noise(i, j)
@@ -194,36 +201,40 @@ contains
     !> Copy the particles to the GPU.
     subroutine put_particles(s)
         type(both_t), intent(inout) :: s
-        real(dp) :: place(4, s%solid%n)
-        real(rk) :: motion(4, s%solid%n)
         integer :: n
 
         n = s%solid%n
-        place = 0
-        motion = 0
-        place(1:3, :) = s%solid%x
-        motion(1:3, :) = s%solid%v
-        call copy_in(place, s%particles%x, 32_int64*n, s%err)
-        call copy_in(motion, s%particles%v, 4*bytes_of_real*n, s%err)
-        call copy_in(s%solid%mass, s%particles%mass, bytes_of_real*n, s%err)
-        call copy_in(transpose(s%solid%load), s%particles%load, 3*bytes_of_real*n, s%err)
-        call copy_in(s%solid%id, s%particles%id, 4_int64*n, s%err)
-        call copy_in(s%solid%fixed, s%particles%fixed, 4_int64*n, s%err)
+        s%twin%x = 0
+        s%twin%x(1:3, :n) = s%solid%x
+        s%twin%mass(:n) = s%solid%mass
+        s%twin%id(:n) = s%solid%id
+        s%twin%fixed(:n) = s%solid%fixed
+        call update_device(s%twin%x(:, :n), s%err)
+        call put_motion(s)
+        call update_device(s%twin%mass(:n), s%err)
+        call copy_in(transpose(s%solid%load), buffer_of(s%twin%load), 3*bytes_of_real*n, s%err)
+        call update_device(s%twin%id(:n), s%err)
+        call update_device(s%twin%fixed(:n), s%err)
     end subroutine put_particles
+
+    subroutine put_motion(s)
+        type(both_t), intent(inout) :: s
+
+        s%twin%v = 0
+        s%twin%v(1:3, :s%solid%n) = s%solid%v
+        call update_device(s%twin%v(:, :s%solid%n), s%err)
+    end subroutine put_motion
 
     !> Other velocities of the particles on both machines; loads and old velocities stay.
     subroutine change_motion(s, seed)
         type(both_t), intent(inout) :: s
         integer, intent(in) :: seed
-        real(rk), allocatable :: motion(:, :)
         integer :: p
 
         do p = 1, s%solid%n
             s%solid%v(:, p) = s%solid%v(:, p) + real(noise(p, seed + 20), rk)
         end do
-        allocate (motion(4, s%solid%n), source=0.0_rk)
-        motion(1:3, :) = s%solid%v
-        call copy_in(motion, s%particles%v, size(motion)*bytes_of_real, s%err)
+        call put_motion(s)
     end subroutine change_motion
 
     subroutine shake(s, step, by)
@@ -247,7 +258,7 @@ contains
         real(dp) :: totals(0:6)
 
         call gpu_air_totals(s%other%device, s%other, totals, s%err)
-        call gpu_ledger_totals(s%other%device, s%gpu, kept, products, s%err)
+        call ledger_totals(s%other, s%far, kept, products, s%err)
         all = totals(1:5) + kept
     end subroutine stock
 

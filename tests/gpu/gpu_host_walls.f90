@@ -4,10 +4,13 @@
 module gpu_host_walls
     use brz_air_device, only: air_device_t
     use brz_air_state, only: air_t, brick, wall_t
-    use brz_device, only: copy_in, copy_out, reserve_buffer
+    use brz_device, only: copy_in, copy_out
+    use brz_device_data, only: enter_data, update_device
     use brz_errors, only: error_t
-    use brz_gpu_air_state, only: bytes_of_real, fetch_air, mark_near_walls
+    use brz_gpu_air_state, only: bytes_of_real, fetch_air
     use brz_kinds, only: int64, int8
+    use brz_near_walls, only: mark_near_walls, see_walls
+    use brz_present_table, only: attach
     implicit none
     private
     public :: put_walls, fetch_walls, return_cells
@@ -15,25 +18,24 @@ module gpu_host_walls
 contains
 
     !> Copy the walls to the GPU after they have changed.
-    subroutine put_walls(gpu, wall, face_of, err)
-        type(air_device_t), intent(inout) :: gpu
-        type(wall_t), intent(in) :: wall
+    subroutine put_walls(air, wall, face_of, err)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
         integer, intent(in) :: face_of(:, :) !! (6, n_cells) wall face by side, or 0
         type(error_t), intent(inout) :: err
 
-        associate (walls => gpu%walls)
-            walls%n_cells = wall%n_cells
-            walls%n_faces = wall%n_faces
-            call reserve_buffer(walls%v, 3*bytes_of_real*wall%n_cells, err)
-            call reserve_buffer(walls%face_of, 24_int64*wall%n_cells, err)
-            call reserve_buffer(walls%push, bytes_of_real*wall%n_faces, err)
-            call reserve_buffer(walls%impulse, bytes_of_real*wall%n_faces, err)
-            call copy_in(wall%solid, walls%solid, size(wall%solid, kind=int64), err)
-            call copy_in(wall%index, walls%index, 4*size(wall%index, kind=int64), err)
-            call copy_in(face_of, walls%face_of, 24_int64*wall%n_cells, err)
-            call copy_in(wall%v, walls%v, 3*bytes_of_real*wall%n_cells, err)
-        end associate
-        call mark_near_walls(gpu, err)
+        call attach(wall%solid, air%device%walls%solid)
+        call attach(wall%index, air%device%walls%index)
+        call update_device(wall%solid, err)
+        call update_device(wall%index, err)
+        wall%face_of(:, :wall%n_cells) = face_of
+        call enter_data(wall%v, err)
+        call enter_data(wall%face_of, err)
+        call enter_data(wall%face_cell, err)
+        call enter_data(wall%push, err)
+        call enter_data(wall%impulse, err)
+        call see_walls(air, wall)
+        call mark_near_walls(air%device, err)
     end subroutine put_walls
 
     !> Bring the impulses of a step to the host, and the gas.

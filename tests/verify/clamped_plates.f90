@@ -4,9 +4,9 @@ module clamped_plates
     use brz_errors, only: failed
     use brz_kinds, only: dp
     use brz_particle_marks, only: is_held
-    use brz_total_steps, only: solid_totals, solid_totals_t
     use brz_time_step, only: advance
     use scene_tools, only: deck_scene_t, open_scene
+    use shared_steps, only: solid_totals, solid_totals_t
     implicit none
     private
     public :: clamped_t, clamped_plate

@@ -7,7 +7,7 @@ module contact_tools
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step
     use brz_solid_steps, only: solid_step
-    use brz_total_steps, only: solid_totals_t
+    use shared_steps, only: solid_totals_t
     implicit none
     private
     public :: elastic, aluminium, two_boxes, energy, run_until

@@ -6,12 +6,12 @@ module drawn_bodies
     use brz_kinds, only: dp, rk
     use brz_solid_state, only: solid_t
     use solid_bodies, only: sound_pieces
-    use brz_total_steps, only: solid_totals, solid_totals_t
     use brz_errors, only: failed
     use brz_time_step, only: advance_scene => advance
     use scene_tools, only: deck_scene_t, open_scene
     use solid_scenes, only: advance, begin, choose, elastic, finish, form_t, solid_scene_t, &
         solid_result_t, total
+    use shared_steps, only: solid_totals, solid_totals_t
     implicit none
     private
     public :: elastic_bar, rebar_t, rebar, ring_t, ring, strip, crack

@@ -5,13 +5,12 @@ module random_scenes
     use brz_air_outside, only: keep_outside
     use brz_air_setup, only: make_grid, time_step_ramp
     use brz_air_state, only: air_ok, air_t, bc_outflow, bc_periodic, bc_symmetry, bc_wall
-    use shared_steps, only: air_step
+    use shared_steps, only: air_step, reclassify, set_wall_velocity, spread_load
     use brz_air_sums, only: air_time_step
     use brz_coupling_setup, only: couple
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: coupling_totals
     use brz_gas, only: to_conserved
-    use brz_exchange_steps, only: reclassify, set_wall_velocity, spread_load
     use brz_kinds, only: dp, rk
     use brz_scheme, only: first_order, hllc, muscl_cells, steger_warming, weno3_cells, weno5z_cells
     use brz_solid_state, only: solid_t
@@ -181,13 +180,13 @@ contains
         s%dt = air_time_step(s%air, s%coupling%wall, s%cfl)*time_step_ramp(s%steps, 10)
         s%least_dt = min(s%least_dt, s%dt*c0/s%air%dx(1))
         if (.not. s%least_dt > shortest) s%fault = 'the time step collapses'
-        call set_wall_velocity(s%air, s%solid, s%solid, s%coupling, s%dt)
+        call set_wall_velocity(s%air, s%solid, s%coupling, s%dt)
         call air_step(s%air, s%coupling%wall, s%dt, status)
         if (status /= air_ok) s%fault = 'the air is lost'
         if (s%fault /= '') return
-        call spread_load(s%solid, s%solid, s%coupling, s%dt)
+        call spread_load(s%solid, s%coupling, s%dt)
         call move_bodies(s%air, s%t, s%dt, s%bodies, s%solid)
-        call reclassify(s%air, s%solid, s%solid, s%coupling)
+        call reclassify(s%air, s%solid, s%coupling)
         s%t = s%t + s%dt
         s%steps = s%steps + 1
         call judge(s)

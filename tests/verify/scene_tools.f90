@@ -11,9 +11,9 @@ module scene_tools
     use brz_ranks, only: ranks_t
     use brz_scanner, only: read_deck
     use brz_simulation, only: set_up_simulation, simulation_t
-    use brz_total_steps, only: solid_totals, solid_totals_t
     use brz_text, only: string_t
     use brz_time_step, only: advance
+    use shared_steps, only: solid_totals, solid_totals_t
     implicit none
     private
     public :: deck_scene_t, open_scene, open_deck, step_scene, run_scene, body_of

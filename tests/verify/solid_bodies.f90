@@ -6,9 +6,9 @@ module solid_bodies
     use brz_errors, only: failed
     use brz_kinds, only: dp, rk
     use brz_solid_state, only: solid_t
-    use brz_total_steps, only: solid_totals, solid_totals_t
     use solid_scenes, only: advance, begin, choose, finish, form_t, metal, solid_scene_t, &
         solid_result_t
+    use shared_steps, only: solid_totals, solid_totals_t
     implicit none
     private
     public :: ring_form_t, rings, torn_t, torn_bar, hole, sound_pieces

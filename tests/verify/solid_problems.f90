@@ -5,9 +5,9 @@ module solid_problems
     use brz_case, only: case_t
     use brz_errors, only: failed
     use brz_kinds, only: dp, rk
-    use brz_total_steps, only: solid_totals, solid_totals_t
     use solid_scenes, only: advance, begin, choose, elastic, finish, form_t, metal, noise, &
                             solid_scene_t, solid_result_t
+    use shared_steps, only: solid_totals, solid_totals_t
     implicit none
     private
     public :: spin, cantilever, patch, zigzag, pulled_bar, planar_impact, plate, taylor_bar

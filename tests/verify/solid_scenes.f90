@@ -11,7 +11,7 @@ module solid_scenes
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step, start_solid
     use brz_solid_steps, only: solid_step
-    use brz_total_steps, only: solid_totals, solid_totals_t
+    use shared_steps, only: solid_totals, solid_totals_t
     implicit none
     private
     public :: form_t, solid_result_t, solid_scene_t, forms, elastic, metal, choose, begin, &

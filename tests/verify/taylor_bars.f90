@@ -6,9 +6,9 @@
 module taylor_bars
     use brz_body_setup, only: set_up_solid
     use brz_kinds, only: dp
-    use brz_total_steps, only: solid_totals, solid_totals_t
     use solid_scenes, only: advance, begin, choose, finish, form_t, metal, solid_scene_t, &
         solid_result_t
+    use shared_steps, only: solid_totals, solid_totals_t
     implicit none
     private
     public :: bar_t, remains_t, copper, steel, particle_bar, measure

@@ -2,59 +2,81 @@
 !> Message buffers, called parcels: rows of listed particles, cells or faces from some arrays into
 !> those of other processes, in one message to each.
 module brz_parcels
-    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr, c_ptr
+    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
+    use brz_errors, only: error_t
+    use brz_gpu_parcels, only: gpu_parcels_t
     use brz_kinds, only: int32, int64, int8
     use brz_mail, only: mail_t, make_room, post
     use brz_parcel_files, only: post_by_files
     use brz_places, only: parcels_t
     use brz_ranks, only: ranks_t
+    use brz_rows, only: rows_t
     implicit none
     private
-    public :: rows_t, rows_of, send_rows, courier_t
+    public :: send_rows, courier_t
 
     integer, parameter :: worth_threads = 10000 !! rows
-
-    !> An array that has some bytes in a row for each particle.
-    type :: rows_t
-        type(c_ptr) :: of = c_null_ptr
-        integer :: bytes = 0 !! of a row
-    end type rows_t
 
     !> Who sends, and the messages; what a process has for itself goes the same way.
     type :: courier_t
         type(ranks_t) :: ranks
         type(mail_t) :: mail
+        type(gpu_parcels_t) :: device !! who does the same between GPUs
+        logical :: on_gpu = .false. !! there
     contains
-        procedure :: send, send_apart
+        procedure :: send, send_apart, announce, aim
     end type courier_t
 
 contains
 
-    !> The rows of an array of words of 4 B; it must be a target.
-    type(rows_t) function rows_of(array, words) result(rows)
-        type(*), intent(in), target, contiguous :: array(..)
-        integer, intent(in) :: words !! of a row
-
-        rows = rows_t(c_loc(array), 4*words)
-    end function rows_of
-
-    !> See send_rows.
-    subroutine send(self, out, in, from, to)
+    !> Get ready to send a list: on GPUs all processes hear how many go from each to each.
+    subroutine announce(self, list, err)
         class(courier_t), intent(inout) :: self
-        type(parcels_t), intent(in) :: out, in
-        type(rows_t), intent(in) :: from(:), to(:)
+        type(parcels_t), intent(inout) :: list
+        type(error_t), intent(inout) :: err
 
-        call send_rows(self%ranks, out, in, from, to, self%mail)
+        if (self%on_gpu) call self%device%announce(list, err)
+    end subroutine announce
+
+    !> The same where all know already.
+    subroutine aim(self, number, list, err)
+        class(courier_t), intent(inout) :: self
+        integer(int64), intent(in) :: number(:, :) !! (to processes, from processes)
+        type(parcels_t), intent(inout) :: list
+        type(error_t), intent(inout) :: err
+
+        if (self%on_gpu) call self%device%aim(number, list, err)
+    end subroutine aim
+
+    !> Send the rows of listed particles to others, and put those that come where a list says, in
+    !> arrays with as much of each. See send_rows.
+    subroutine send(self, out, in, from, to, err)
+        class(courier_t), intent(inout) :: self
+        type(parcels_t), intent(inout) :: out, in !! all processes have announced or aimed `out`
+        type(rows_t), intent(in) :: from(:), to(:)
+        type(error_t), intent(inout) :: err
+
+        if (self%on_gpu) then
+            call self%device%send(out, in, from, to, err)
+        else
+            call send_rows(self%ranks, out, in, from, to, self%mail)
+        end if
     end subroutine send
 
     !> The same, where what the process has for itself goes to the places of its parcel in another
     !> list, in other arrays.
-    subroutine send_apart(self, out, in, from, to, own_in, own_to)
+    subroutine send_apart(self, out, in, from, to, own_in, own_to, err)
         class(courier_t), intent(inout) :: self
-        type(parcels_t), intent(in) :: out, in, own_in
+        type(parcels_t), intent(inout) :: out, in
+        type(parcels_t), intent(in) :: own_in
         type(rows_t), intent(in) :: from(:), to(:), own_to(:)
+        type(error_t), intent(inout) :: err
 
-        call send_rows(self%ranks, out, in, from, to, self%mail, own_in, own_to)
+        if (self%on_gpu) then
+            call self%device%send_apart(out, in, from, to, own_in, own_to, err)
+        else
+            call send_rows(self%ranks, out, in, from, to, self%mail, own_in, own_to)
+        end if
     end subroutine send_apart
 
     !> Send the rows of listed particles, and put those that come where a list says, in arrays with
@@ -147,14 +169,14 @@ contains
 
         associate (wide => rows%bytes, n => size(place))
             if (modulo(wide, 4) == 0) then
-                call c_f_pointer(rows%of, words, [wide/4, maxval(place)])
+                call c_f_pointer(rows%host, words, [wide/4, maxval(place)])
                 call c_f_pointer(c_loc(parcel), there, [wide/4, n])
                 !$omp parallel do if(n >= worth_threads) schedule(static)
                 do k = 1, n
                     there(:, k) = words(:, place(k))
                 end do
             else
-                call c_f_pointer(rows%of, bytes, [wide, maxval(place)])
+                call c_f_pointer(rows%host, bytes, [wide, maxval(place)])
                 call c_f_pointer(c_loc(parcel), here, [wide, n])
                 !$omp parallel do if(n >= worth_threads) schedule(static)
                 do k = 1, n
@@ -175,14 +197,14 @@ contains
 
         associate (wide => rows%bytes, n => size(place))
             if (modulo(wide, 4) == 0) then
-                call c_f_pointer(rows%of, words, [wide/4, maxval(place)])
+                call c_f_pointer(rows%host, words, [wide/4, maxval(place)])
                 call c_f_pointer(c_loc(parcel), there, [wide/4, n])
                 !$omp parallel do if(n >= worth_threads) schedule(static)
                 do k = 1, n
                     words(:, place(k)) = there(:, k)
                 end do
             else
-                call c_f_pointer(rows%of, bytes, [wide, maxval(place)])
+                call c_f_pointer(rows%host, bytes, [wide, maxval(place)])
                 call c_f_pointer(c_loc(parcel), here, [wide, n])
                 !$omp parallel do if(n >= worth_threads) schedule(static)
                 do k = 1, n

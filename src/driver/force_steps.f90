@@ -1,13 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> Forces on a whole body, for gauges, and the impulse of its load. scripts/steps.py writes the same
-!> for the GPU.
+!> Forces on a whole body, for gauges, and the impulse of its load.
 module brz_force_steps
-    use brz_air_force, only: grip_of, load_of !@cpu
-    use brz_force_loops, only: each_sum_forces
+    use brz_air_force, only: grip_of, load_of
+    use brz_force_loops, only: for_each_sum_forces
     use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
     use brz_rigid_motion, only: rigid_forces
     use brz_solid_state, only: solid_t
+    use brz_errors, only: error_t
     implicit none
     private
     public :: forces_on_body, book_impulse, n_forces
@@ -18,33 +18,35 @@ contains
 
     !> Force and moment of body b on what holds it, force of its load and of other bodies; on all
     !> processes the same bits.
-    subroutine forces_on_body(solid, b, at, sums)
+    subroutine forces_on_body(solid, b, at, sums, err)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: at(3) !! point of the moment [m]
         real(dp), intent(out) :: sums(n_forces)
+        type(error_t), intent(inout) :: err
 
         associate (body => solid%bodies(b), there => solid%bodies(b))
             sums = rigid_forces(body, at)
             if (body%formulation == form_rigid) return
-            call each_sum_forces(there%last - there%first + 1, solid%ranks, there%first, &
+            call for_each_sum_forces(solid%on_gpu, there%last - there%first + 1, solid%ranks, there%first, &
                 solid%wide, solid%step_d, solid%step_p, merge(1, 0, allocated(solid%load)), &
                 merge(1, 0, allocated(solid%grip)), at(1), at(2), at(3), solid%x, solid%mass, &
-                solid%fixed, solid%a, load_of(solid), grip_of(solid), sums)
+                solid%fixed, solid%a, load_of(solid), grip_of(solid), sums, err)
         end associate
     end subroutine forces_on_body
 
     !> Impulse of the load on all bodies that are awake, over a step.
-    subroutine book_impulse(solid, dt)
+    subroutine book_impulse(solid, dt, err)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
         real(dp) :: sums(n_forces)
         integer :: b
 
         if (.not. solid%impulses) return
         do b = 1, size(solid%bodies)
             if (solid%bodies(b)%asleep) cycle
-            call forces_on_body(solid, b, [0.0_dp, 0.0_dp, 0.0_dp], sums)
+            call forces_on_body(solid, b, [0.0_dp, 0.0_dp, 0.0_dp], sums, err)
             solid%bodies(b)%impulse = solid%bodies(b)%impulse + dt*sums(7:9)
         end do
     end subroutine book_impulse

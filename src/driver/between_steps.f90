@@ -3,13 +3,13 @@
 !>
 !> Velocities change by the mean of two steps times the force at a step: the impulse up to a step
 !> is the sum over trapezoids, and exactly what the momentum at the step shows.
-!> scripts/steps.py writes the same for the GPU.
 module brz_between_steps
     use brz_between_items, only: add_impulse
-    use brz_between_loops, only: each_sum_between
+    use brz_between_loops, only: for_each_sum_between
     use brz_kinds, only: dp
-    use brz_link_rows, only: joined_of !@cpu
+    use brz_link_rows, only: joined_of
     use brz_solid_state, only: solid_t
+    use brz_errors, only: error_t
     implicit none
     private
     public :: begin_between, book_between, force_between
@@ -17,44 +17,47 @@ module brz_between_steps
 contains
 
     !> The forces at the start.
-    subroutine begin_between(solid)
+    subroutine begin_between(solid, err)
         type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
         integer :: k
 
         if (.not. allocated(solid%between)) return
         do k = 1, size(solid%between)
-            call force_between(solid, solid%between(k)%body, solid%between(k)%force)
+            call force_between(solid, solid%between(k)%body, solid%between(k)%force, err)
         end do
     end subroutine begin_between
 
     !> The forces after a step, and what they gave in it.
-    subroutine book_between(solid, dt)
+    subroutine book_between(solid, dt, err)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
         real(dp) :: force(3)
         integer :: k
 
         if (.not. allocated(solid%between)) return
         do k = 1, size(solid%between)
-            call force_between(solid, solid%between(k)%body, force)
+            call force_between(solid, solid%between(k)%body, force, err)
             call add_impulse(solid%between(k), force, dt)
         end do
     end subroutine book_between
 
     !> Force on the first of two bodies by the second, on all processes the same bits [N].
-    subroutine force_between(solid, body, force)
+    subroutine force_between(solid, body, force, err)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: body(2)
         real(dp), intent(out) :: force(3)
+        type(error_t), intent(inout) :: err
 
         force = 0
         if (.not. solid%links%present) return
         associate (links => solid%links, there => solid%bodies(body(1)))
-            call each_sum_between(there%last - there%first + 1, solid%ranks, there%first, body(2), &
+            call for_each_sum_between(solid%on_gpu, there%last - there%first + 1, solid%ranks, there%first, body(2), &
                 links%lay, links%ends, links%table, links%cell, solid%x, solid%v, solid%mass, &
                 links%weight, solid%stress, solid%pair, links%press(:, 1:), links%bond, &
                 joined_of(solid%links), links%row, links%slice(1:), links%count(1:), &
-                links%list, force)
+                links%list, force, err)
         end associate
     end subroutine force_between
 end module brz_between_steps

@@ -3,25 +3,24 @@
 !>
 !> The particles of a rigid body carry its mass to contact, air and output. Their velocity is kept
 !> at half steps like that of all others, and `a` is what brings it to the step. All processes move
-!> a rigid body, the first books its work. scripts/steps.py writes the same for the GPU.
+!> a rigid body, the first books its work.
 module brz_rigid_steps
-    use brz_air_force, only: grip_of, load_of !@cpu
-    use brz_drive, only: add_held_impulse !@cpu
+    use brz_air_force, only: grip_of, load_of
     use brz_drive, only: begin_motion, book_drive, end_motion
     use brz_energy_account, only: ledger_t
-    !@gpu use brz_force_layout, only: at_drag, at_heat, at_stiff
-    use brz_force_loops, only: each_sum_region
+    use brz_force_loops, only: for_each_sum_region
     use brz_formulation_names, only: form_rigid
-    !@gpu use brz_gpu_solid_books, only: add_held_impulse
     use brz_kinds, only: dp
-    use brz_link_rows, only: glue_of, layout_of_pushes, nodes_of !@cpu
+    use brz_link_rows, only: glue_of, heat_of, layout_of_pushes, nodes_of
     use brz_motion, only: mean_velocity, velocity_of
-    use brz_motion_loops, only: each_drive_particle, each_follow_drive, each_follow_rigid, &
-        each_place_rigid, each_settle_heat, each_sum_pairs
+    use brz_motion_loops, only: for_each_drive_particle, for_each_follow_drive, for_each_follow_rigid, &
+        for_each_place_rigid, for_each_settle_heat, for_each_sum_pairs
     use brz_rigid_motion, only: advance_rigid, rigid_step, settle_rigid
     use brz_rigid_pose, only: pose_of, push_layout_t, resting_pose
-    use brz_solid_books, only: book_drag !@cpu
+    use brz_solid_backend, only: add_held_impulse
+    use brz_solid_books, only: book_drag
     use brz_solid_state, only: solid_t
+    use brz_errors, only: error_t
     implicit none
     private
     public :: move_rigid, sum_pushes, balance_rigid, settle_drag
@@ -29,9 +28,10 @@ module brz_rigid_steps
 contains
 
     !> Kick and drift of rigid and driven bodies over dt, from solid%time on.
-    subroutine move_rigid(solid, dt)
+    subroutine move_rigid(solid, dt, err)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
         type(ledger_t) :: ledger
         real(dp) :: load(6), omega(3), q_mid(4), reaction(3), v(3)
         integer :: b
@@ -48,16 +48,16 @@ contains
                     body%rigid%load = load
                     body%rigid%p = body%rigid%mass*v
                     ! the work on free particles is in `book`, and added to this
-                    !@gpu gpu%ledger(b)%load = gpu%ledger(b)%load + (body%ledger%load - ledger%load)
+                    if (solid%on_gpu) call add_work(solid, b, body%ledger%load - ledger%load)
                 end if
                 if (body%motion%n > 0 .and. body%formulation /= form_rigid) &
-                    call each_drive_particle(there%last - there%first + 1, there%first, &
-                        solid%wide, 0, dt, v(1), v(2), v(3), solid%fixed, solid%x, solid%v)
-                if (allocated(body%regions)) call move_regions(solid, b, dt)
+                    call for_each_drive_particle(solid%on_gpu, there%last - there%first + 1, there%first, &
+                        solid%wide, 0, dt, v(1), v(2), v(3), solid%fixed, solid%x, solid%v, err)
+                if (allocated(body%regions)) call move_regions(solid, b, dt, err)
                 if (body%formulation /= form_rigid) cycle
                 call advance_rigid(body, (solid%dt_last + dt)/2, dt, v, omega, q_mid)
-                call each_place_rigid(there%last - there%first + 1, there%first, solid%wide, &
-                    pose_of(body%rigid, v, omega, q_mid), solid%x_ref, solid%x, solid%v)
+                call for_each_place_rigid(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, &
+                    pose_of(body%rigid, v, omega, q_mid), solid%x_ref, solid%x, solid%v, err)
                 if (solid%ranks%rank > 0) then
                     body%ledger = ledger
                     body%reaction = reaction
@@ -66,11 +66,21 @@ contains
         end do
     end subroutine move_rigid
 
+    !> Work on body b that a GPU's own sums do not have.
+    subroutine add_work(solid, b, work)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(in) :: work !! [J]
+
+        solid%device%ledger(b)%load = solid%device%ledger(b)%load + work
+    end subroutine add_work
+
     !> Carry the regions of body b along that are moved.
-    subroutine move_regions(solid, b, dt)
+    subroutine move_regions(solid, b, dt, err)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
         type(ledger_t) :: ledger
         real(dp) :: v(3)
         integer :: m
@@ -80,62 +90,62 @@ contains
                 ledger = body%ledger
                 call begin_motion(body%regions(m), solid%time, dt, v, ledger)
                 if (solid%ranks%rank == 0) body%ledger = ledger
-                call each_drive_particle(there%last - there%first + 1, there%first, solid%wide, m, &
-                    dt, v(1), v(2), v(3), solid%fixed, solid%x, solid%v)
+                call for_each_drive_particle(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, m, &
+                    dt, v(1), v(2), v(3), solid%fixed, solid%x, solid%v, err)
             end do
         end associate
     end subroutine move_regions
 
     !> Force and torque of contact and of interfaces on rigid bodies: exact sums, as they act back.
-    subroutine sum_pushes(solid, dt, push)
+    subroutine sum_pushes(solid, dt, push, err)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! step just made [s]
         real(dp), intent(out) :: push(6, size(solid%bodies)) !! [N], [N m]
+        type(error_t), intent(inout) :: err
         type(push_layout_t) :: lay
         integer :: b
 
         push = 0
-        lay = layout_of_pushes(solid) !@cpu
-        !@gpu lay = push_layout_t(0, gpu%step_d, 1, at_drag, at_stiff, at_heat, 0)
+        lay = layout_of_pushes(solid)
         do b = 1, merge(size(solid%bodies), 0, solid%links%present)
             associate (body => solid%bodies(b), there => solid%bodies(b), l => solid%links)
                 if (body%formulation /= form_rigid .or. body%asleep .and. dt > 0) cycle
-                call each_sum_pairs(there%last - there%first + 1, solid%ranks, there%first, &
+                call for_each_sum_pairs(solid%on_gpu, there%last - there%first + 1, solid%ranks, there%first, &
                     solid%wide, lay, resting_pose(body%rigid), l%row, solid%id, nodes_of(solid), &
-                    glue_of(solid), solid%x, l%push(:, 1:), push(:, b)) !@gpu l%push => gpu%extra
+                    glue_of(solid), solid%x, l%push(:, 1:), push(:, b), err)
             end associate
         end do
     end subroutine sum_pushes
 
     !> The heat of drag on particles of rigid bodies.
-    subroutine settle_drag(solid, dt)
+    subroutine settle_drag(solid, dt, err)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! step just made [s]
+        type(error_t), intent(inout) :: err
         real(dp) :: turn(3)
         type(push_layout_t) :: lay
         integer :: b
 
-        lay = layout_of_pushes(solid) !@cpu
-        !@gpu lay = push_layout_t(0, gpu%step_d, 1, at_drag, at_stiff, at_heat, 0)
+        lay = layout_of_pushes(solid)
         do b = 1, merge(size(solid%bodies), 0, solid%links%present .and. dt > 0)
             associate (body => solid%bodies(b), there => solid%bodies(b), l => solid%links)
                 if (body%formulation /= form_rigid .or. body%asleep) cycle
                 turn = body%rigid%omega - body%rigid%spin
-                call each_settle_heat(there%last - there%first + 1, there%first, lay, &
+                call for_each_settle_heat(solid%on_gpu, there%last - there%first + 1, there%first, lay, &
                     solid%step_d, solid%step_p, dt, turn(1), turn(2), turn(3), l%row, &
-                    solid%mass, l%push(:, 1:), solid%a, solid%energy, &
-                    solid%work) !@gpu l%push => gpu%extra gpu%work => gpu%contact_heat
-                call book_drag(solid, b) !@cpu
+                    solid%mass, l%push(:, 1:), solid%a, solid%energy, heat_of(solid), err)
+                if (.not. solid%on_gpu) call book_drag(solid, b)
             end associate
         end do
     end subroutine settle_drag
 
     !> Forces on rigid and driven bodies at the step, `a` of their particles, and what time step
     !> they bear.
-    subroutine balance_rigid(solid, push, dt)
+    subroutine balance_rigid(solid, push, dt, err)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: push(:, :) !! (6, bodies) on rigid ones by others [N], [N m]
         real(dp), intent(in) :: dt !! step just made [s]
+        type(error_t), intent(inout) :: err
         integer :: b
 
         do b = 1, size(solid%bodies)
@@ -144,18 +154,19 @@ contains
                 if (body%asleep .and. body%formulation == form_rigid) &
                     solid%dt_limit = min(solid%dt_limit, body%dt_limit)
                 if (body%asleep .and. dt > 0) cycle
-                if (body%formulation == form_rigid) call balance_body(solid, b, push(:, b), dt)
-                if (dt > 0 .and. body%motion%n > 0) call balance_drive(solid, b, dt)
-                if (dt > 0 .and. allocated(body%regions)) call balance_regions(solid, b, dt)
+                if (body%formulation == form_rigid) call balance_body(solid, b, push(:, b), dt, err)
+                if (dt > 0 .and. body%motion%n > 0) call balance_drive(solid, b, dt, err)
+                if (dt > 0 .and. allocated(body%regions)) call balance_regions(solid, b, dt, err)
             end associate
         end do
     end subroutine balance_rigid
 
-    subroutine balance_body(solid, b, push, dt)
+    subroutine balance_body(solid, b, push, dt, err)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: push(6) !! [N], [N m]
         real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
         real(dp) :: reaction(3), v(3)
 
         associate (body => solid%bodies(b), there => solid%bodies(b))
@@ -167,17 +178,18 @@ contains
             body%dt_limit = rigid_step(body, solid%skin)
             solid%dt_limit = min(solid%dt_limit, body%dt_limit)
             if (.not. dt > 0) return
-            call each_follow_rigid(there%last - there%first + 1, there%first, solid%wide, &
+            call for_each_follow_rigid(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, &
                 solid%step_d, solid%step_p, dt, &
-                pose_of(body%rigid, v, body%rigid%omega, body%rigid%q), solid%x, solid%v, solid%a)
+                pose_of(body%rigid, v, body%rigid%omega, body%rigid%q), solid%x, solid%v, solid%a, err)
         end associate
     end subroutine balance_body
 
     !> Force of body b on what is driven, the work of the half step up to now, and its velocity.
-    subroutine balance_drive(solid, b, dt)
+    subroutine balance_drive(solid, b, dt, err)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
         real(dp) :: v(3)
 
         associate (body => solid%bodies(b), there => solid%bodies(b))
@@ -185,9 +197,9 @@ contains
             body%motion%force = body%rigid%force
             if (body%formulation /= form_rigid) then
                 body%motion%force = merge(-body%rigid%load(1:3), 0.0_dp, solid%ranks%rank == 0)
-                call add_held_impulse(solid, b, dt, body%motion%force)
-                call each_follow_drive(there%last - there%first + 1, there%first, solid%wide, 0, &
-                    solid%step_d, solid%step_p, dt, v(1), v(2), v(3), solid%fixed, solid%v, solid%a)
+                call add_held_impulse(solid, b, dt, body%motion%force, err)
+                call for_each_follow_drive(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, 0, &
+                    solid%step_d, solid%step_p, dt, v(1), v(2), v(3), solid%fixed, solid%v, solid%a, err)
             end if
             if (body%formulation == form_rigid .and. solid%ranks%rank > 0) return
             body%ledger%drive = body%ledger%drive - dt/2*dot_product( &
@@ -197,27 +209,28 @@ contains
 
     !> Forces of body b on the regions of it that are moved, the work of the half step up to now,
     !> and their velocities.
-    subroutine balance_regions(solid, b, dt)
+    subroutine balance_regions(solid, b, dt, err)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
         type(ledger_t) :: ledger
         real(dp) :: sums(6), v(3), work
         integer :: m
 
         associate (body => solid%bodies(b), there => solid%bodies(b))
             do m = 1, size(body%regions)
-                call each_sum_region(there%last - there%first + 1, solid%ranks, there%first, m, &
+                call for_each_sum_region(solid%on_gpu, there%last - there%first + 1, solid%ranks, there%first, m, &
                     solid%step_d, solid%step_p, merge(1, 0, allocated(solid%load)), solid%fixed, &
-                    load_of(solid), grip_of(solid), sums)
+                    load_of(solid), grip_of(solid), sums, err)
                 ledger = body%ledger
                 call end_motion(body%regions(m), solid%time, dt, sums, ledger, work)
                 if (solid%ranks%rank == 0) body%ledger = ledger
                 ! the work on free particles is in `book`, and added to this
-                !@gpu if (solid%ranks%rank == 0) gpu%ledger(b)%load = gpu%ledger(b)%load + work
+                if (solid%on_gpu .and. solid%ranks%rank == 0) call add_work(solid, b, work)
                 v = velocity_of(body%regions(m), solid%time)
-                call each_follow_drive(there%last - there%first + 1, there%first, solid%wide, m, &
-                    solid%step_d, solid%step_p, dt, v(1), v(2), v(3), solid%fixed, solid%v, solid%a)
+                call for_each_follow_drive(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, m, &
+                    solid%step_d, solid%step_p, dt, v(1), v(2), v(3), solid%fixed, solid%v, solid%a, err)
             end do
         end associate
     end subroutine balance_regions

@@ -2,7 +2,6 @@
 !> Particles on several processes when lists are built: each belongs to the process in whose region
 !> its home is, and has ghosts on all others that its list may reach. Its home is its place
 !> `x_built`, in total-Lagrangian bodies `x_ref`.
-!> scripts/steps.py writes the same for the GPU.
 !>
 !> So everything follows from these places, as the lists do: it is the same after a restart, and who
 !> holds what changes no bit. Particles go home (`go_home`), are sorted, and ghosts are laid behind
@@ -18,26 +17,19 @@
 !> those that leave.
 module brz_home_steps
     use brz_cohesive_steps, only: mark_glue, note_owners
-    use brz_ghost_wants, only: find_boxes, find_lowest, homes_of !@cpu
-    use brz_ghost_wants, only: most_outside, of_lists, planes_of, wants_of
-    !@gpu use brz_device, only: copy_out
-    !@gpu use brz_gpu_lists, only: at_least
-    !@gpu use brz_gpu_mark_steps, only: begin_marks, count_marks, join_lists, list_marks
-    !@gpu use brz_gpu_mark_steps, only: place_pieces
-    !@gpu use brz_gpu_solid_home, only: close_books, find_boxes, find_lowest, homes_of
-    !@gpu use brz_gpu_solid_home, only: list_leaving, put_region, put_table, send_away
-    !@gpu use brz_gpu_solid_home, only: settle_places
-    !@gpu use brz_gpu_solid_state, only: lay_arrays
-    use brz_home_loops, only: each_mark_home, each_mark_near
+    use brz_ghost_wants, only: homes_of, most_outside, of_lists, planes_of, wants_of
+    use brz_errors, only: error_t
+    use brz_home_backend, only: change_hands, fetch_homes, find_boxes, find_lowest, lay_arrays, &
+        list_leaving, put_region, put_wants, settle_places, swap_ghosts
+    use brz_gpu_solid_state, only: note_ranges
+    use brz_home_loops, only: for_each_mark_home, for_each_mark_near
     use brz_kinds, only: dp, int64
-    use brz_lists, only: at_least !@cpu
+    use brz_lists, only: at_least
     use brz_load_steps, only: mark_facets, note_carriers
     use brz_mail, only: tell_all
-    use brz_mark_steps, only: begin_marks, count_marks, list_marks, place_pieces !@cpu
     use brz_places, only: parcels_t
-    use brz_solid_ghosts, only: send_ghosts !@cpu
     use brz_solid_home, only: are_even, lacks_room
-    use brz_solid_home, only: lay_arrays, send_away, settle_places !@cpu
+    use brz_send_lists, only: begin_marks, count_marks
     use brz_solid_places, only: choose_places, lay_rooms
     use brz_solid_regions, only: cut_regions
     use brz_solid_state, only: solid_t
@@ -51,16 +43,17 @@ contains
     !> anew where they are uneven, unless the body keeps its places: it is then only listed in part.
     !> All processes must call. Other bodies keep their particles, unless regions are cut anew.
     !> Ghosts are dropped but for those of bodies that keep places.
-    subroutine go_home(solid, stale, whole)
+    subroutine go_home(solid, stale, whole, err)
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: stale(:) !! (bodies)
         logical, intent(inout) :: whole(:) !! (bodies) which keep no places
+        type(error_t), intent(inout) :: err
         integer(int64) :: out(2*size(stale) + 1, solid%ranks%n), in(size(stale), solid%ranks%n)
         integer(int64) :: all(2*size(stale) + 1, solid%ranks%n, solid%ranks%n)
         logical :: go(size(stale))
 
         solid%part%recut = .not. allocated(solid%part%region)
-        if (solid%part%recut) call cut_anew(solid)
+        if (solid%part%recut) call cut_anew(solid, err)
         ! of bodies that keep places: by so much more ghosts are needed, or all go home
         if (solid%part%far(1) > 0) solid%part%margin = most_outside(solid)
         whole = whole .or. solid%part%far(2) > 0
@@ -68,27 +61,29 @@ contains
         associate (n => size(stale), there => solid%bodies)
             do
                 go = stale .and. whole .or. solid%part%recut
-                call mark_leaving(solid, go, out(:n, :))
+                call mark_leaving(solid, go, out(:n, :), err)
                 out(n + 1, :) = sum(there%last - there%first + 1)
                 out(n + 2:, :) = spread(there%room - there%last + there%first - 1, 2, &
                                         solid%ranks%n)
                 call tell_all(solid%ranks, out, all)
                 if (are_even(solid, all(:n + 1, :, :))) exit
-                call cut_anew(solid)
+                call cut_anew(solid, err)
                 solid%part%recut = .true.
             end do
             whole = whole .or. solid%part%recut .or. lacks_room(all(:n, :, :), all(n + 2:, :, :))
             if (all_of(go)) solid%part%margin = 0
             in = all(:n, solid%ranks%rank + 1, :)
-            call give_room(solid, in, whole)
-            if (solid%part%grown) call mark_leaving(solid, go, out(:n, :)) ! marks are of places
-            call change_places(solid, out(:n, :), in, sum(all(:n, :, :), 1), whole)
+            call give_room(solid, in, whole, err)
+            if (solid%part%grown) call mark_leaving(solid, go, out(:n, :), err) ! marks are of places
+            call change_places(solid, out(:n, :), in, sum(all(:n, :, :), 1), whole, err)
         end associate
+        if (solid%on_gpu) call note_ranges(solid%bodies, solid%n, solid%device)
     end subroutine go_home
 
     !> Cut the regions for the places of now.
-    subroutine cut_anew(solid)
+    subroutine cut_anew(solid, err)
         type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
         real(dp), allocatable :: x(:, :)
         integer :: b, m, n
 
@@ -97,11 +92,9 @@ contains
         end associate
         n = 0
         do b = 1, size(solid%bodies)
-            associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last, &
-                       home => homes_of(solid, b))
+            associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)
                 m = last - first + 1
-                x(:, n + 1:n + m) = home(:, first:last) !@cpu
-                !@gpu call copy_out(from(home, 4_int64*first - 3), x(:, n + 1:), 32_int64*m)
+                call fetch_homes(solid, b, first, last, x(:, n + 1:n + m), err)
                 n = n + m
             end associate
         end do
@@ -111,64 +104,62 @@ contains
     end subroutine cut_anew
 
     !> Mark the particles of some bodies that leave, and count them.
-    subroutine mark_leaving(solid, which, number)
+    subroutine mark_leaving(solid, which, number, err)
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: which(:) !! (bodies)
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
+        type(error_t), intent(inout) :: err
         integer :: b
 
-        call begin_marks(solid%n, solid%ranks%n, solid%part%marks_t) !@cpu
-        !@gpu call begin_marks(gpu%n, solid%ranks%n, gpu%part)
-        !@gpu call put_region(gpu, solid%part%region)
+        call begin_marks(solid%on_gpu, solid%n, solid%ranks%n, solid%part%marks_t, err)
+        if (solid%on_gpu) call put_region(solid%device, solid%part%region, err)
         do b = 1, size(which)
             if (.not. which(b)) cycle
             associate (there => solid%bodies(b), part => solid%part)
-                call each_mark_home(there%last - there%first + 1, there%first, solid%wide, &
+                call for_each_mark_home(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, &
                     solid%n, solid%ranks%n, solid%ranks%rank, part%region, &
-                    homes_of(solid, b), part%mark)
+                    homes_of(solid, b), part%mark, err)
             end associate
         end do
-        call count_marks(solid%n, solid%bodies%first, solid%part%marks_t, number) !@cpu
-        !@gpu call count_marks(gpu%n, gpu%bodies%first, gpu%part, number)
+        call count_marks(solid%on_gpu, solid%n, solid%bodies%first, solid%part%marks_t, number, err)
     end subroutine mark_leaving
 
     !> Send the marked particles, take in what comes, and close up.
-    subroutine change_places(solid, out, in, all, whole)
+    subroutine change_places(solid, out, in, all, whole, err)
         type(solid_t), intent(inout) :: solid
         integer(int64), intent(in) :: out(:, :), in(:, :) !! (bodies, processes)
         integer(int64), intent(in) :: all(:, :) !! (to processes, from processes)
         logical, intent(in) :: whole(:) !! (bodies) see go_home
+        type(error_t), intent(inout) :: err
         type(parcels_t) :: leaving, coming
 
         if (sum(all) == 0) return
-        !@gpu call close_books(gpu, solid, sum(out + in, dim=2) > 0)
-        call list_marks(solid%n, out, solid%part%marks_t, leaving) !@cpu
-        !@gpu call list_leaving(gpu, out, leaving)
+        call list_leaving(solid, out, sum(out + in, dim=2) > 0, leaving, err)
         associate (there => solid%bodies)
             call choose_places(solid%ranks%rank, out, in, there%last, leaving, coming)
             where (whole) there%rim = there%last
         end associate
-        call send_away(solid, leaving, coming) !@cpu
-        !@gpu call send_away(gpu, all, leaving, coming)
+        call change_hands(solid, all, leaving, coming, err)
     end subroutine change_places
 
     !> Lay ghosts behind the particles of each body, or where it keeps its places those that are new
     !> behind the others. All processes must call.
-    subroutine lay_ghosts(solid, anew, whole, news)
+    subroutine lay_ghosts(solid, anew, whole, news, err)
         type(solid_t), intent(inout) :: solid
         logical, intent(inout) :: anew(:) !! (bodies) whose lists must be built
         logical, intent(inout) :: whole(:) !! (bodies) which keep no places
         integer, intent(out) :: news(:) !! (bodies) the last of its ghosts that are new
+        type(error_t), intent(inout) :: err
         integer(int64) :: out(2*size(anew), solid%ranks%n), in(size(anew), solid%ranks%n)
         integer(int64) :: all(2*size(anew), solid%ranks%n, solid%ranks%n)
 
-        if (any(whole)) call note_owners(solid)
-        if (any(whole)) call note_carriers(solid)
-        call find_lowest(solid)
-        call find_boxes(solid)
+        if (any(whole)) call note_owners(solid, err)
+        if (any(whole)) call note_carriers(solid, err)
+        call find_lowest(solid, err)
+        call find_boxes(solid, err)
         associate (n => size(anew), there => solid%bodies)
             do
-                call mark_ghosts(solid, whole, out(:n, :))
+                call mark_ghosts(solid, whole, out(:n, :), err)
                 where (whole) there%rim = there%last
                 out(n + 1:, :) = spread(there%room - there%rim + there%first - 1, 2, solid%ranks%n)
                 call tell_all(solid%ranks, out, all)
@@ -176,25 +167,28 @@ contains
                 whole = .true.
             end do
             in = all(:n, solid%ranks%rank + 1, :)
-            call give_room(solid, in, whole)
-            if (solid%part%grown) call mark_ghosts(solid, whole, out(:n, :))
+            call give_room(solid, in, whole, err)
+            if (solid%part%grown) call mark_ghosts(solid, whole, out(:n, :), err)
             news = int(sum(in, 2))
             if (any(whole) .or. sum(all(:n, :, :)) > 0) &
-                call take_ghosts(solid, whole, out(:n, :), all(:n, :, :))
+                call take_ghosts(solid, whole, out(:n, :), all(:n, :, :), err)
             anew = anew .or. whole .or. sum(sum(all(:n, :, :), 3), 2) > 0
         end associate
-        !@gpu gpu%fetched = .false.
-        !@gpu gpu%summed = .false.
-        !@gpu gpu%laid = gpu%laid + 1
+        if (.not. solid%on_gpu) return
+        call note_ranges(solid%bodies, solid%n, solid%device)
+        solid%device%fetched = .false.
+        solid%device%summed = .false.
+        solid%device%laid = solid%device%laid + 1
     end subroutine lay_ghosts
 
     !> Send the marked particles to others as ghosts, and take in those that come, behind the ghosts
     !> of bodies that keep their places.
-    subroutine take_ghosts(solid, whole, out, all)
+    subroutine take_ghosts(solid, whole, out, all, err)
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: whole(:) !! (bodies) which keep no places
         integer(int64), intent(in) :: out(:, :) !! (bodies, processes)
         integer(int64), intent(in) :: all(:, :, :) !! (bodies, to processes, from processes)
+        type(error_t), intent(inout) :: err
         integer(int64), dimension(size(whole), solid%ranks%n, solid%ranks%n) :: was
         integer(int64), dimension(size(whole), solid%ranks%n) :: in
         integer :: me, next(size(whole))
@@ -209,24 +203,10 @@ contains
         associate (there => solid%bodies)
             next = there%rim
             in = all(:, me, :)
-            call list_marks(solid%n, out, solid%part%marks_t, solid%part%out) !@cpu
-            call place_pieces(in, next, solid%part%marks_t, solid%part%in) !@cpu
-            call send_ghosts(solid) !@cpu
-            !@gpu associate (ghosts => gpu%ghosts)
-            !@gpu call list_marks(gpu%n, out, gpu%part, ghosts%gone)
-            !@gpu call place_pieces(in, next, gpu%part, ghosts%come)
-            !@gpu call ghosts%aim(sum(all, 1), ghosts%gone)
-            !@gpu call ghosts%send(ghosts%gone, ghosts%come, gpu%record, gpu%record)
-            !@gpu where (sum(in, 2) > 0) gpu%bodies%packed = .false.
-            !@gpu call join_lists(was(:, :, me), keeps, out, ghosts%gone, gpu%part, ghosts%out)
-            !@gpu call join_lists(was(:, me, :), keeps, in, ghosts%come, gpu%part, ghosts%in)
-            !@gpu call ghosts%aim(sum(solid%part%kept, 1), ghosts%out)
-            !@gpu end associate
+            call swap_ghosts(solid, keeps, was, out, in, sum(all, 1), next, err)
             there%rim = next
         end associate
-        call settle_places(solid)
-        !@gpu solid%part%keeps = .true.
-        !@gpu gpu%settled = .false.
+        call settle_places(solid, err)
     end subroutine take_ghosts
 
     !> True where all are; `all` is what all processes have told.
@@ -238,39 +218,38 @@ contains
 
     !> Mark the particles that others need ghosts of, and count them; of bodies that keep their
     !> places those that have none yet.
-    subroutine mark_ghosts(solid, whole, number)
+    subroutine mark_ghosts(solid, whole, number, err)
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: whole(:) !! (bodies) which keep no places
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
+        type(error_t), intent(inout) :: err
         real(dp), allocatable :: want(:, :, :)
         integer :: b
 
-        call begin_marks(solid%n, solid%ranks%n, solid%part%marks_t) !@cpu
-        !@gpu call begin_marks(gpu%n, solid%ranks%n, gpu%part)
-        call at_least(solid%part%sent, solid%n*solid%ranks%n) !@cpu
-        !@gpu call at_least(gpu%part%sent, gpu%n*solid%ranks%n)
+        call begin_marks(solid%on_gpu, solid%n, solid%ranks%n, solid%part%marks_t, err)
+        call at_least(solid%on_gpu, solid%part%sent, solid%n*solid%ranks%n, err)
         do b = 1, size(number, 1)
             want = wants_of(solid, b, solid%part%region)
             if (size(want) == 0 .and. .not. whole(b)) cycle
-            !@gpu if (size(want) > 0) call put_table(want, size(want), gpu%part%wants)
+            if (solid%on_gpu) call put_wants(solid%device, want, err)
             associate (there => solid%bodies(b), part => solid%part)
-                call each_mark_near(there%last - there%first + 1, there%first, solid%wide, &
+                call for_each_mark_near(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, &
                     solid%n, solid%ranks%n, solid%ranks%rank, merge(1, 0, whole(b)), &
                     planes_of(solid), of_lists(solid, b), size(want, 2), want, homes_of(solid, b), &
-                    solid%x_built, solid%fixed, part%sent, part%mark) !@gpu want => part%wants
+                    solid%x_built, solid%fixed, part%sent, part%mark, err)
             end associate
-            call mark_glue(solid, b)
+            call mark_glue(solid, b, err)
         end do
-        call mark_facets(solid)
-        call count_marks(solid%n, solid%bodies%first, solid%part%marks_t, number) !@cpu
-        !@gpu call count_marks(gpu%n, gpu%bodies%first, gpu%part, number)
+        call mark_facets(solid, err)
+        call count_marks(solid%on_gpu, solid%n, solid%bodies%first, solid%part%marks_t, number, err)
     end subroutine mark_ghosts
 
     !> Room for the particles of this process, ghosts that are kept, and those that come.
-    subroutine give_room(solid, in, whole)
+    subroutine give_room(solid, in, whole, err)
         type(solid_t), intent(inout) :: solid
         integer(int64), intent(in) :: in(:, :) !! (bodies, processes)
         logical, intent(in) :: whole(:) !! (bodies) ghosts are dropped
+        type(error_t), intent(inout) :: err
         integer :: need(size(in, 1)), old(size(in, 1))
 
         associate (there => solid%bodies)
@@ -281,7 +260,6 @@ contains
             old = there%first
             call lay_rooms(need, there%first, there%last, there%rim, there%room, solid%n)
         end associate
-        call lay_arrays(solid, old)
-        !@gpu call settle_places(gpu, solid)
+        call lay_arrays(solid, old, err)
     end subroutine give_room
 end module brz_home_steps

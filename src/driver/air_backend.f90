@@ -30,14 +30,14 @@ contains
 
         if (air%on_gpu) then
             call gpu_get_ready(air%device, err)
-            call attach_walls(air, wall)
+            if (.not. wall%present) call attach_no_walls(air, wall)
         else
             call cpu_get_ready(air, wall)
         end if
     end subroutine get_ready
 
-    !> Where the walls lie on the GPU in this step. Without walls something that must not be read.
-    subroutine attach_walls(air, wall)
+    !> Without walls: arrays that must not be read. See see_walls for those with walls.
+    subroutine attach_no_walls(air, wall)
         type(air_t), intent(in) :: air
         type(wall_t), intent(inout) :: wall
 
@@ -48,7 +48,7 @@ contains
             call attach(wall%push, walls%push)
             call attach(wall%impulse, walls%impulse)
         end associate
-    end subroutine attach_walls
+    end subroutine attach_no_walls
 
     !> Ghosts where the box of another process begins: its cells.
     subroutine exchange_ghosts(air, err)

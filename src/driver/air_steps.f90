@@ -73,7 +73,6 @@ contains
         logical, intent(in) :: last !! stage of the step
         integer, intent(out) :: status
         type(error_t), intent(inout) :: err
-        integer :: faces
         logical :: found
 
         status = air_ok
@@ -83,9 +82,8 @@ contains
         if (found) call repair(air, wall, stage, status, err)
         if (status /= air_ok) return
         call add_outflow(air, stage, err)
-        faces = wall%n_faces
-        if (air%on_gpu) faces = air%device%walls%n_faces
-        if (faces > 0) call for_each_add_push(air%on_gpu, faces, wall%push, wall%impulse, err)
+        if (wall%n_faces > 0) &
+            call for_each_add_push(air%on_gpu, wall%n_faces, wall%push, wall%impulse, err)
     end subroutine take_rates
 
     !> Add up what leaves through the outer faces; on a GPU it is booked when somebody asks.

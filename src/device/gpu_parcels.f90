@@ -2,35 +2,28 @@
 !> What particles need of those of other processes, between GPUs: as brz_gpu_fetch, for lists of
 !> places that change whenever neighbours are looked for anew.
 module brz_gpu_parcels
-    use brz_buffers, only: buffer_t, integers_t, part_from => from
+    use brz_buffers, only: integers_t, part_from => from
     use brz_device, only: copy_within
     use brz_errors, only: error_t, exit_device, raise
-    use brz_gpu_lists, only: put_list
     use brz_gpu_peers, only: peers_t
-    use brz_gpu_places, only: gpu_places_t
-    use brz_kinds, only: int64
+    use brz_places, only: parcels_t
+    use brz_present_table, only: on_device
+    use brz_kinds, only: int32, int64
+    use brz_lists, only: put_list
     use brz_mail, only: tell_all
     use brz_place_launches, only: place_kernels
     use brz_ranks, only: ranks_t, several
     use brz_record_rules, only: add_array, most_arrays, record_t
-    use brz_solid_part, only: solid_part_t
+    use brz_rows, only: rows_t
     implicit none
     private
-    public :: gpu_parcels_t, gpu_rows_t, rows_of, carry_rows
-
-    !> An array of particles as words of 4 B: some of the row of each particle, in each column.
-    type :: gpu_rows_t
-        type(integers_t) :: of
-        integer :: words = 0, columns = 1
-        integer :: pitch = 0 !! words from a particle to the next
-        integer(int64) :: stride = 0 !! words from a column to the next
-    end type gpu_rows_t
+    public :: gpu_parcels_t, carry_rows
 
     type :: gpu_parcels_t
         type(ranks_t) :: ranks
         integer :: most = 0 !! words of a particle in a message
-        type(gpu_places_t) :: out, in !! particles, and their ghosts
-        type(gpu_places_t) :: gone, come !! who changes the process
+        type(parcels_t) :: out, in !! particles, and their ghosts
+        type(parcels_t) :: gone, come !! who changes the process
         type(peers_t) :: peers
         type(integers_t) :: row !! where the parcels of an exchange lie
     contains
@@ -40,20 +33,20 @@ module brz_gpu_parcels
 contains
 
     !> Get ready for the ghosts of now.
-    subroutine open (self, ranks, part, most, err)
+    subroutine open (self, ranks, out, in, most, err)
         class(gpu_parcels_t), intent(inout) :: self
         type(ranks_t), intent(in) :: ranks
-        type(solid_part_t), intent(in) :: part
+        type(parcels_t), intent(in) :: out, in !! ghosts of now
         integer, intent(in) :: most !! words of 4 B of a particle in a message
         type(error_t), intent(inout) :: err
 
         self%ranks = ranks
         if (.not. several(ranks)) return
-        self%out%first = part%out%first
-        self%in%first = part%in%first
+        self%out%first = out%first
+        self%in%first = in%first
         self%most = (most + 1)/2*2
-        call put_list(part%out%place, self%out%place, err)
-        call put_list(part%in%place, self%in%place, err)
+        call put_list(.true., out%place, self%out%place, err)
+        call put_list(.true., in%place, self%in%place, err)
         call self%peers%open(ranks, 0_int64, err)
         call self%announce(self%out, err)
     end subroutine open
@@ -61,7 +54,7 @@ contains
     !> Get ready to send a list: all processes hear how many go from each to each.
     subroutine announce(self, list, err)
         class(gpu_parcels_t), intent(inout) :: self
-        type(gpu_places_t), intent(inout) :: list
+        type(parcels_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
         integer(int64) :: all(1, self%ranks%n, self%ranks%n), number(1, self%ranks%n)
 
@@ -70,27 +63,10 @@ contains
         call self%aim(all(1, :, :), list, err)
     end subroutine announce
 
-    !> An array of rows, or of columns of rows.
-    pure type(gpu_rows_t) function rows_of(array, words, columns, n, pitch) result(rows)
-        class(buffer_t), intent(in) :: array
-        integer, intent(in) :: words !! of a row
-        integer, intent(in), optional :: columns, n !! n rows each
-        integer, intent(in), optional :: pitch !! words from row to row, else those of a row
-
-        rows%of%address = array%address
-        rows%of%bytes = array%bytes
-        rows%words = words
-        rows%pitch = words
-        if (present(pitch)) rows%pitch = pitch
-        if (.not. present(columns)) return
-        rows%columns = columns
-        rows%stride = int(rows%pitch, int64)*n
-    end function rows_of
-
     !> Bring the rows of ghosts in some arrays up to date.
     subroutine refresh(self, arrays, err)
         class(gpu_parcels_t), intent(inout) :: self
-        type(gpu_rows_t), intent(in) :: arrays(:)
+        type(rows_t), intent(in) :: arrays(:)
         type(error_t), intent(inout) :: err
 
         if (several(self%ranks)) call self%send(self%out, self%in, arrays, arrays, err)
@@ -100,7 +76,7 @@ contains
     subroutine aim(self, number, list, err)
         class(gpu_parcels_t), intent(inout) :: self
         integer(int64), intent(in) :: number(:, :) !! (to processes, from processes)
-        type(gpu_places_t), intent(inout) :: list
+        type(parcels_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
 
         call self%peers%aim(number, 4*self%most, list, err)
@@ -110,8 +86,8 @@ contains
     !> arrays with as many words of each.
     subroutine send(self, out, in, from, to, err)
         class(gpu_parcels_t), intent(inout) :: self
-        type(gpu_places_t), intent(inout) :: out, in !! all processes have aimed `out`
-        type(gpu_rows_t), intent(in) :: from(:), to(:)
+        type(parcels_t), intent(inout) :: out, in !! all processes have aimed `out`
+        type(rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
 
         call self%offer(out, in, from, err)
@@ -123,9 +99,9 @@ contains
     !> list, in other arrays: while all meet.
     subroutine send_apart(self, out, in, from, to, own_in, own_to, err)
         class(gpu_parcels_t), intent(inout) :: self
-        type(gpu_places_t), intent(inout) :: out, in
-        type(gpu_rows_t), intent(in) :: from(:), to(:), own_to(:)
-        type(gpu_places_t), intent(in) :: own_in
+        type(parcels_t), intent(inout) :: out, in
+        type(rows_t), intent(in) :: from(:), to(:), own_to(:)
+        type(parcels_t), intent(in) :: own_in
         type(error_t), intent(inout) :: err
 
         call self%offer(out, in, from, err)
@@ -136,8 +112,8 @@ contains
     !> The first half of it: others get their rows. It may be repeated.
     subroutine offer(self, out, in, from, err)
         class(gpu_parcels_t), intent(inout) :: self
-        type(gpu_places_t), intent(inout) :: out, in
-        type(gpu_rows_t), intent(in) :: from(:)
+        type(parcels_t), intent(inout) :: out, in
+        type(rows_t), intent(in) :: from(:)
         type(error_t), intent(inout) :: err
         integer :: wide
         type(integers_t) :: a(most_arrays)
@@ -149,15 +125,15 @@ contains
         call self%peers%begin(out, in, 4*wide, self%row, err)
         call make_record(from, record, a)
         if (out%tiled > 0) call place_kernels%pick_record(wide*out%tiled, wide, record, &
-            out%parcels, out%place, a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), self%row, err)
+            out%parcels, at(out%place), a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), self%row, err)
         call self%peers%finish(err)
     end subroutine offer
 
     !> The second half.
     subroutine take(self, in, to, met, err)
         class(gpu_parcels_t), intent(inout) :: self
-        type(gpu_places_t), intent(inout) :: in
-        type(gpu_rows_t), intent(in) :: to(:)
+        type(parcels_t), intent(inout) :: in
+        type(rows_t), intent(in) :: to(:)
         logical, intent(in) :: met !! see swap
         type(error_t), intent(inout) :: err
         type(integers_t) :: a(most_arrays)
@@ -166,30 +142,30 @@ contains
         call self%peers%swap(met, err)
         call make_record(to, record, a)
         if (in%tiled > 0) call place_kernels%put_record(words_of(to)*in%tiled, words_of(to), &
-            record, in%parcels, in%place, self%row, a(1), a(2), a(3), a(4), a(5), a(6), a(7), &
+            record, in%parcels, at(in%place), self%row, a(1), a(2), a(3), a(4), a(5), a(6), a(7), &
             a(8), err)
     end subroutine take
 
     !> Words of a particle in a message.
     pure integer function words_of(rows) result(wide)
-        type(gpu_rows_t), intent(in) :: rows(:)
+        type(rows_t), intent(in) :: rows(:)
 
         wide = (sum(rows%words*rows%columns) + 1)/2*2
     end function words_of
 
     !> The places of parcel r and those behind it.
-    pure type(integers_t) function from_place(list, r) result(place)
-        type(gpu_places_t), intent(in) :: list
+    type(integers_t) function from_place(list, r) result(place)
+        type(parcels_t), intent(in) :: list
         integer, intent(in) :: r
 
-        place = part_from(list%place, int(list%first(r), int64))
+        place = integers_t(address=on_device(list%place(list%first(r):)))
     end function from_place
 
     !> What a process has for itself: from array to array, in runs where both lists say so.
     subroutine carry(self, out, in, from, to, err)
         class(gpu_parcels_t), intent(in) :: self
-        type(gpu_places_t), intent(in) :: out, in
-        type(gpu_rows_t), intent(in) :: from(:), to(:)
+        type(parcels_t), intent(in) :: out, in
+        type(rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
         integer :: k
         logical :: runs
@@ -211,7 +187,7 @@ contains
     !> The rows of n listed particles of an array, to places in an array of such rows.
     subroutine carry_rows(n, from, from_place, to, to_place, err)
         integer, intent(in) :: n
-        type(gpu_rows_t), intent(in) :: from, to
+        type(rows_t), intent(in) :: from, to
         type(integers_t), intent(in) :: from_place, to_place
         type(error_t), intent(inout) :: err
 
@@ -224,7 +200,7 @@ contains
 
     !> The whole rows of runs of particles, column by column.
     subroutine copy_runs(from, out, to, in, err)
-        type(gpu_rows_t), intent(in) :: from, to
+        type(rows_t), intent(in) :: from, to
         integer, intent(in) :: out(:, :), in(:, :) !! (2, runs) first place, number
         type(error_t), intent(inout) :: err
         integer(int64) :: word
@@ -240,9 +216,16 @@ contains
         end do
     end subroutine copy_runs
 
+    !> The copy of a list.
+    type(integers_t) function at(list)
+        integer(int32), intent(in), target :: list(:)
+
+        at = integers_t(address=on_device(list))
+    end function at
+
     !> How records are made of some arrays, most_arrays at most.
     pure subroutine make_record(arrays, record, array)
-        type(gpu_rows_t), intent(in) :: arrays(:)
+        type(rows_t), intent(in) :: arrays(:)
         type(record_t), intent(out) :: record
         type(integers_t), intent(out) :: array(most_arrays)
         integer :: k

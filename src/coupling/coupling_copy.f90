@@ -1,0 +1,192 @@
+! SPDX-License-Identifier: MIT
+!> The coupling on its way to a GPU and back, and numbers about all of it.
+!>
+!> Walls, bins, ledgers and debts are built and held on the GPU; the host learns how many there are.
+module brz_coupling_copy
+    use brz_air_state, only: air_t
+    use brz_air_walls, only: build_walls
+    use brz_coupling_device, only: book_high, book_low, n_book, n_sums
+    use brz_coupling_state, only: coupling_t, put_sums, sums_in
+    use brz_coupling_windows, only: open_windows_of_gpus
+    use brz_debt_steps, only: enter_debts, size_debts
+    use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out
+    use brz_device_data, only: enter_bytes, enter_data, update_device, update_host
+    use brz_errors, only: error_t, failed
+    use brz_event_steps, only: put_up_walls
+    use brz_guest_steps, only: invite_guests
+    use brz_kinds, only: dp, int32, int64, rk
+    use brz_load_loops, only: for_each_wall_speed
+    use brz_present_table, only: attach, buffer_of
+    use brz_ranks, only: agree, several
+    use brz_shared_steps, only: put_windows
+    use brz_snapshots, only: snapshot_t
+    use brz_solid_state, only: solid_t
+    use brz_tallies, only: tally_threads
+    use brz_wall_steps, only: find_mean_velocity
+    implicit none
+    private
+    public :: open_gpu_coupling, fetch_coupling, note_coupling, fetch_books, fastest_wall
+
+contains
+
+    !> Give the coupling memory on the GPU and put the walls up where the particles are there: it is
+    !> computed there from now on. Debts and books are those of the host; the ledgers are in the
+    !> air.
+    subroutine open_gpu_coupling(air, solid, c, err)
+        type(air_t), intent(inout) :: air !! on the GPU, opened with walls
+        type(solid_t), intent(inout) :: solid !! on the GPU; read
+        type(coupling_t), intent(inout) :: c !! set up on the host
+        type(error_t), intent(inout) :: err
+
+        call enter_coupling(solid, c, err)
+        call agree(air%part%ranks, err)
+        if (failed(err)) return
+        call attach(c%wall%solid, air%device%walls%solid)
+        call attach(c%wall%index, air%device%walls%index)
+        c%wall%n_cells = 0
+        if (several(air%part%ranks)) then
+            call open_windows_of_gpus(air, c, err)
+            call put_windows(c, err)
+            call invite_guests(solid, c, err)
+            call begin_walls(air, c%guests, c, err)
+        else
+            call begin_walls(air, solid, c, err)
+        end if
+        call put_debts(c, err)
+        call put_books(c, err)
+    end subroutine open_gpu_coupling
+
+    !> Copies of what does not grow.
+    subroutine enter_coupling(solid, c, err)
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
+
+        c%on_gpu = .true.
+        allocate (c%device)
+        c%rebuilds = -1
+        c%bodies = size(c%carrier)
+        call enter_bytes(c%shells, storage_size(c%shells)/8_int64, err)
+        call enter_bytes(c%carrier, size(c%carrier)*(storage_size(c%carrier)/8_int64), err)
+        call enter_data(c%mark, err)
+        c%slot = 0
+        call enter_data(c%slot, err)
+        call allocate_buffer(c%device%book, 8_int64*tally_threads*n_book, err)
+        call allocate_buffer(c%device%speed, 8_int64*tally_threads, err)
+        if (several(solid%ranks)) return
+        call enter_data(c%cell_of, err)
+        call enter_data(c%place_of, err)
+        call enter_data(c%binned, err)
+        call enter_data(c%v_before, err)
+    end subroutine enter_coupling
+
+    !> Walls and bins from none.
+    subroutine begin_walls(air, p, c, err)
+        type(air_t), intent(inout) :: air
+        type(solid_t), intent(in) :: p !! particles
+        type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
+
+        call clear_buffer(air%device%walls%solid, err)
+        call clear_buffer(air%device%walls%index, err)
+        call put_up_walls(air, p, c, err)
+        call find_mean_velocity(p, c, err)
+    end subroutine begin_walls
+
+    !> The debts of the host.
+    subroutine put_debts(c, err)
+        type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
+        integer(int32), allocatable :: cell(:)
+        real(rk), allocatable :: debt(:, :)
+        integer :: n
+
+        n = c%n_debts
+        c%n_debts = 0
+        call move_alloc(c%debt_cell, cell)
+        call move_alloc(c%debt, debt)
+        call size_debts(c, n, err)
+        c%n_debts = n
+        if (n == 0) return
+        c%debt_cell(:n) = cell(:n)
+        c%debt(:, :n) = debt(:, :n)
+        call update_device(c%debt_cell(:n), err)
+        call update_device(c%debt(:, :n), err)
+        call enter_debts(c, err)
+    end subroutine put_debts
+
+    subroutine put_books(c, err)
+        type(coupling_t), intent(in) :: c
+        type(error_t), intent(inout) :: err
+        real(dp) :: book(tally_threads, n_book)
+
+        book = 0
+        book(1, :n_sums) = sums_in(c%books)
+        book(:, book_low) = c%books%ledger_low
+        book(:, book_high) = c%books%ledger_high
+        call copy_in(book, c%device%book, 8_int64*size(book), err)
+    end subroutine put_books
+
+    !> Bring work, impulse and the range of the ledgers to the host.
+    subroutine fetch_books(c, err)
+        type(coupling_t), intent(inout) :: c !! on the GPU
+        type(error_t), intent(inout) :: err
+        real(dp) :: book(tally_threads, n_book)
+
+        book = 0
+        call copy_out(c%device%book, book, 8_int64*size(book), err)
+        if (failed(err)) return
+        call put_sums(sum(book(:, :n_sums), 1), c%books)
+        c%books%ledger_low = real(minval(book(:, book_low)), rk)
+        c%books%ledger_high = real(maxval(book(:, book_high)), rk)
+    end subroutine fetch_books
+
+    !> Bring walls, debts and books to the host, for a dump or a checkpoint. Of what else the host
+    !> has (bins, columns, the map of debts) only the room means something.
+    subroutine fetch_coupling(air, c, err)
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(inout) :: c !! on the GPU
+        type(error_t), intent(inout) :: err
+
+        if (.not. c%device%walls_fetched) then
+            call update_host(c%wall%solid, err)
+            if (failed(err)) return
+            call build_walls(air, c%wall) ! as many cells and faces: all that has a copy stays
+            c%device%walls_fetched = .true.
+        end if
+        call update_host(c%wall%v(:, :c%wall%n_cells), err)
+        if (allocated(c%v_before)) call update_host(c%v_before, err)
+        if (c%n_debts > 0) then
+            call update_host(c%debt_cell(:c%n_debts), err)
+            call update_host(c%debt(:, :c%n_debts), err)
+        end if
+        call fetch_books(c, err)
+    end subroutine fetch_coupling
+
+    !> What fetch_coupling reads.
+    subroutine note_coupling(c, snapshot)
+        type(coupling_t), intent(in) :: c
+        type(snapshot_t), intent(inout) :: snapshot
+
+        call snapshot%note([buffer_of(c%wall%solid), buffer_of(c%wall%v), &
+                            buffer_of(c%debt_cell), buffer_of(c%debt), c%device%book%buffer_t])
+        if (allocated(c%v_before)) call snapshot%note([buffer_of(c%v_before)])
+    end subroutine note_coupling
+
+    !> Largest sum_d |v_d|/dx_d of the walls on the GPU [1/s].
+    real(dp) function fastest_wall(air, c, err) result(fastest)
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(in) :: c
+        type(error_t), intent(inout) :: err
+        real(dp) :: part(tally_threads)
+        real(rk) :: nothing
+
+        nothing = 0
+        call clear_buffer(c%device%speed, err)
+        call for_each_wall_speed(.true., c%wall%n_cells, air%grid, c%wall%v, nothing, &
+                                 c%device%speed, err)
+        part = 0
+        call copy_out(c%device%speed, part, 8_int64*size(part), err)
+        fastest = maxval(part)
+    end function fastest_wall
+end module brz_coupling_copy
