@@ -3,10 +3,10 @@
 module brz_gpu_solid_load
     use brz_device, only: allocate_buffer, copy_in, copy_out
     use brz_errors, only: error_t
-    use brz_face_load, only: facets_t, loads_t
-    use brz_gpu_face_load, only: put_facets
+    use brz_gpu_loads, only: put_facets
     use brz_gpu_solid_state, only: gpu_solid_t
     use brz_kinds, only: int64
+    use brz_loads, only: facets_t, loads_t
     implicit none
     private
     public :: fetch_loaded, open_gpu_loads, put_loaded

@@ -5,17 +5,17 @@
 !> `solid_t` are a mirror that brz_gpu_solid_copy refreshes before a dump or a checkpoint.
 module brz_gpu_solid_state
     use brz_buffers, only: buffer_t, doubles_t, from, integers_t, reals_t
-    use brz_contact_face, only: n_face
     use brz_device, only: allocate_buffer, copy_in, copy_within, device_t, free_buffer, kernel_t, &
         reserve_buffer
     use brz_energy_account, only: ledger_t
     use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_face_layout, only: n_face
     use brz_formulation_names, only: form_total
     use brz_gpu_cohesive_state, only: gpu_cohesive_t
     use brz_force_items, only: n_sum
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_exact_sum, only: gpu_exact_t
-    use brz_gpu_face_load, only: gpu_facets_t
+    use brz_gpu_loads, only: gpu_facets_t
     use brz_gpu_parcels, only: gpu_parcels_t, rows_of, gpu_rows_t
     use brz_gpu_places, only: gpu_marks_t
     use brz_gpu_solid_layout, only: at_accel, at_damage, at_energy, at_mass, at_mu, at_stress, &

@@ -80,7 +80,8 @@ contains
         if (failed(err)) return
         call find_contact_edges([(is_whole_box(points(b)%shape, solid%bodies(b)), &
                                   b=1, size(points))], solid)
-        call set_up_cohesive(case, points%shape, solid, err)
+        call set_up_cohesive(case, reshape([(points(b)%shape%spacing, b=1, size(points))], &
+                                           [3, size(points)]), solid, err)
         if (.not. failed(err)) call judge_bonds(case, solid)
         call set_up_loads(case, points%shape, solid, err)
         call set_up_watch(case, solid)

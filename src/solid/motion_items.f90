@@ -7,8 +7,9 @@ module brz_motion_items
     use brz_move_level, only: level_of, lost_level
     use brz_pair_layout, only: n_pair, pair_spin, pair_volume
     use brz_particle_marks, only: is_gone, is_held
+    use brz_push_layout, only: push_layout_t
     use brz_rigid, only: cross
-    use brz_rigid_pose, only: arm_at, place_point, pose_t, push_layout_t, spin_at, velocity_at
+    use brz_rigid_pose, only: arm_at, place_point, pose_t, spin_at, velocity_at
     use brz_support, only: driven_by, is_driven, is_kept
     implicit none
     private
