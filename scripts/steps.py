@@ -196,14 +196,15 @@ def translated(text, items, owner):
 def main():
     source, target = Path(sys.argv[1]), Path(sys.argv[2])
     items = {}
-    for path in [*Path("src").glob("*/*_items.f90"), *source.parent.glob("*_items.f90")]:
+    for path in [*Path("src").glob("**/*_items.f90"), *source.parent.glob("*_items.f90")]:
         text = path.read_text(encoding="utf-8")
         for m in ITEM.finditer(text):
             family = path.stem.removesuffix("_items")
             items[m[3]] = family, Item(*m.groups(), text[m.end() :])
     lines = []
-    folder = "solid" if source.name.startswith("solid_") else source.parent.name
-    owner = {"solid": "solid", "air": "air", "step": "air"}.get(folder, "")
+    owners = {"solid": "solid", "air": "air", "step": "air"}
+    owner = next((owners[x] for x in source.parts if x in owners), "")
+    owner = "solid" if source.name.startswith("solid_") else owner
     text = source.read_text(encoding="utf-8")
     for number, indent, code, comment in translated(text, items, owner):
         every = fold(code) if code else [""]
