@@ -16,9 +16,9 @@ module brz_rigid_steps
     use brz_kinds, only: dp
     use brz_link_rows, only: glue_of, layout_of_pushes, nodes_of !@cpu
     use brz_motion, only: mean_velocity, velocity_of
-    use brz_motion_loops, only: each_drive_particle, each_follow_drive, each_follow_rigid, &
-        each_place_rigid, each_settle_heat, each_sum_pairs
     use brz_push_layout, only: push_layout_t
+    use brz_rigid_loops, only: each_drive_particle, each_follow_drive, each_follow_rigid, &
+        each_place_rigid, each_settle_heat, each_sum_pairs
     use brz_rigid_motion, only: advance_rigid, rigid_step, settle_rigid
     use brz_rigid_pose, only: pose_of, resting_pose
     use brz_solid_books, only: book_drag !@cpu
