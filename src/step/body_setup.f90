@@ -14,7 +14,7 @@ module brz_body_setup
     use brz_case, only: body_case_t, case_t, label
     use brz_cohesive_setup, only: set_up_cohesive
     use brz_crack_band, only: judge_crack
-    use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_errors, only: error_t, failed
     use brz_formulation, only: settle_formulation
     use brz_gauge_quantities, only: find_quantity, from_impulse, quantities
     use brz_contact_edges, only: find_contact_edges
