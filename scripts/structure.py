@@ -5,12 +5,13 @@
 usage: structure.py ROOT      (ROOT holds src/, tests/, ...)
 
 Layers: base < parallel < deck < materials < {air, solid} < coupling < {cpu, gpu} < output < step
-< main; a file uses only its own folder and what is to the left. Point physics (files with `!@cuf`)
-uses only base, plain data and other point physics; a material model may describe itself to the deck
-as well. Sizes: files 600 lines, procedures 80, lines of kernels (cuda/*.CUF) 100 columns (fortitude
-sees to those of the rest), arguments 12, which kernels, items and what these call in their file
-(`*_items.f90`, below a `!@cuf` line), and procedures in a file with `!@variant` may exceed: they
-take arrays.
+< main; a file uses only its own folder and what is to the left. Sub-folders are rooms, ordered in
+ROOMS: within its folder a file uses only its own room and what is to the left. Point physics (files
+with `!@cuf`) uses only base, plain data and other point physics; a material model may describe
+itself to the deck as well. Sizes: files 600 lines, procedures 80, lines of kernels (cuda/*.CUF) 100
+columns (fortitude sees to those of the rest), arguments 12, which kernels, items and what these
+call in their file (`*_items.f90`, below a `!@cuf` line), and procedures in a file with `!@variant`
+may exceed: they take arrays.
 Twins have one name: what src/cpu does in x.f90, src/gpu does in gpu_x.f90 or cuda in x.CUF,
 and a file gpu_x.f90 is the twin of an x.f90; ALONE names what one backend has alone. Also: the
 licence line, the module name, `use` with `only`; no name of a type stands for two. Files and
@@ -34,6 +35,14 @@ LAYERS = [
     {"coupling"},
 ]
 LAYERS += [{"cpu", "gpu"}, {"driver"}, {"output"}, {"step"}, {"main"}]
+# "." are files beside the rooms; docs/extending.md says what is in each
+ROOMS = {
+    "deck": "keys read check",
+    "materials": ". driver",
+    "air": "grid scheme boundary blast1d blast2d step",
+    "solid": "state sph contact cohesive rigid bodies loads motion parallel",
+    "step": "backend step check run",
+}
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 MAX_FILE, MAX_PROCEDURE, MAX_ARGUMENTS = 600, 80, 12
 MAX_CODE, MAX_PROSE = 100, 120
@@ -91,6 +100,7 @@ class Source:
         self.uses, self.modules, self.types, self.faults = {}, [], {}, []
         parts = self.name.parts
         self.layer = "main" if len(parts) == 2 else parts[1]
+        self.room = "/".join(parts[2:-1]) or "."
         self.in_src = parts[0] == "src"
         for first, _, statement in self.statements:
             if found := MODULE.match(statement):
@@ -143,7 +153,7 @@ class Source:
             self.fault(1, f"src/{self.layer} is no layer")
             return
         for module, line in self.uses.items():
-            other = owner.get(module)
+            other = owner.get(module) or owner.get(re.sub("_(loops|launches)$", "_items", module))
             if other is None or other is self:
                 continue
             if RANK[other.layer] > RANK[self.layer] or (
@@ -153,15 +163,39 @@ class Source:
             free = other.layer == "base" or other.marked or other.plain
             if self.marked and not free and self.layer != "materials":
                 self.fault(line, f"point physics must not use {module}: it holds host code")
+            if other.layer == self.layer:
+                self.check_order(line, module, other.room)
+
+    def check_order(self, line, module, room):
+        """Fault a use of a module in a room to the right of its own."""
+        rooms = ROOMS.get(self.layer, ".").split()
+        if {room, self.room} <= set(rooms) and rooms.index(room) > rooms.index(self.room):
+            self.fault(
+                line,
+                f"{self.room} must not use {module} of {room} (src/{self.layer}: "
+                f"{' < '.join(rooms)}): move what it needs down to {self.room}, in a file of its "
+                f"own, or this file up to {room}",
+            )
+
+
+def wrong_rooms(sources):
+    """Files in no room of their folder, where that has some."""
+    inside = [s for s in sources if s.in_src and s.layer in RANK]
+    roomed = {s.layer for s in inside if s.room != "."}
+    for source in inside:
+        rooms = ROOMS.get(source.layer, ".").split()
+        if source.layer in roomed and source.room not in rooms:
+            place = f"src/{source.layer}" + f"/{source.room}" * (source.room != ".")
+            yield f"{source.name}:1: {place} is no room; src/{source.layer} has {', '.join(rooms)}"
 
 
 def lone_twins(root):
     """Files of src/cpu and src/gpu that lack the twin that their name promises."""
-    every = {p.stem for p in root.glob("src/*/*.f90")}
+    every = {p.stem for p in root.glob("src/**/*.f90")}
     kernels = {p.stem for p in root.glob("cuda/*.CUF")}
     there = {
-        "cpu": {p.stem for p in root.glob("src/cpu/*.f90")},
-        "gpu": {p.stem[4:] for p in root.glob("src/gpu/gpu_*.f90")},
+        "cpu": {p.stem for p in root.glob("src/cpu/**/*.f90")},
+        "gpu": {p.stem[4:] for p in root.glob("src/gpu/**/gpu_*.f90")},
     }
     twins = {"cpu": kernels | {x[4:] for x in every if x.startswith("gpu_")}, "gpu": every}
     for backend, names in there.items():
@@ -237,7 +271,7 @@ def main():
             source.check_layers(owner)
     faults = [fault for source in sources for fault in source.faults]
     faults += [*long_prose(root), *long_python(root), *long_others(root), *lone_twins(root)]
-    faults += homonyms(sources)
+    faults += [*homonyms(sources), *wrong_rooms(sources)]
     for path in sorted((root / "scripts").glob("*")) + sorted(root.glob("post/**/*.py")):
         if path.suffix in (".py", ".sh"):
             head = path.read_text(encoding="utf-8").splitlines()[:2]

@@ -2,13 +2,11 @@
 !> Conditions at the ends of the lines of cells. Point physics: compiled for the CPU and for the
 !> GPU.
 module brz_air_boundary
+    use brz_boundary_codes, only: bc_outflow, bc_periodic, bc_wall
     use brz_scheme, only: hllc, scheme_t
     implicit none
     private
-    public :: image_at, beyond_wall, bc_outflow, bc_wall, bc_symmetry, bc_periodic, bc_inside
-
-    integer, parameter :: bc_outflow = 1, bc_wall = 2, bc_symmetry = 3, bc_periodic = 4
-    integer, parameter :: bc_inside = 5 !! no boundary: the box of another process begins there
+    public :: image_at, beyond_wall
 
 contains
 

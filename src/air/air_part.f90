@@ -4,8 +4,8 @@
 !> Boxes begin on bricks (see brz_boxes). Ghosts of a box are those of the grid where it touches the
 !> boundary, and cells of other boxes elsewhere (bc_inside).
 module brz_air_part
-    use brz_air_boundary, only: bc_inside, bc_periodic
     use brz_air_grid, only: brick
+    use brz_boundary_codes, only: bc_inside, bc_periodic
     use brz_boxes, only: cells_t, cut_grid, widened
     use brz_cell_lists, only: places_in
     use brz_fetch, only: fetch_t, plan_fetch

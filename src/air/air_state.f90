@@ -2,10 +2,10 @@
 !> The state of the air: conserved variables on a Cartesian grid, and the walls inside it.
 module brz_air_state
     use brz_air_device, only: air_device_t
-    use brz_air_boundary, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall
     use brz_air_grid, only: brick, grid_t
     use brz_air_part, only: air_part_t
-    use brz_inflow, only: inflow_t
+    use brz_boundary_codes, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall
+    use brz_inflow_history, only: inflow_t
     use brz_kinds, only: dp, int8, int64, rk
     use brz_total_state, only: running_total_t
     use brz_scheme, only: hllc, max_var, mixture_gamma, scheme_t

@@ -2,8 +2,9 @@
 !> Faces of the air, one at a time: the flux straight from the state of the air, walls included; the
 !> impulse on a wall.
 module brz_face_items
-    use brz_air_boundary, only: bc_inside, bc_periodic, bc_symmetry, bc_wall, beyond_wall
+    use brz_air_boundary, only: beyond_wall
     use brz_air_grid, only: brick, grid_t, stage_t, variable_in_slot
+    use brz_boundary_codes, only: bc_inside, bc_periodic, bc_symmetry, bc_wall
     use brz_face_flux, only: cut_face, cut_fraction
     use brz_kinds, only: dp, int64, int8, rk
     use brz_scheme, only: max_var, mixture_gamma, scheme_t

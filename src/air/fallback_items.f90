@@ -9,8 +9,8 @@
 !> found it bad and held it, so that the marks made in a pass do not change the faces of that pass,
 !> whatever the order of the cells. Both cells of a face see the same marks: nothing is lost.
 module brz_fallback_items
-    use brz_air_boundary, only: bc_inside
     use brz_air_grid, only: grid_t, place_of, stage_t, variable_in_slot
+    use brz_boundary_codes, only: bc_inside
     use brz_face_items, only: face_at
     use brz_kinds, only: int64, int8, rk
     use brz_positivity, only: hold_step, is_held, is_kept, is_lowered, is_number, is_physical, &

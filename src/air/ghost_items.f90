@@ -5,8 +5,9 @@
 !> Ghosts of gas at rest must be at rest to the bit: see brz_brick_items. Only ghosts straight
 !> across a face are filled; no stencil reaches into edges or corners.
 module brz_ghost_items
-    use brz_air_boundary, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall, image_at
+    use brz_air_boundary, only: image_at
     use brz_air_grid, only: grid_t, line_start, rest_t, variable_in_slot
+    use brz_boundary_codes, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall
     use brz_kinds, only: int64, int8, rk
     use brz_outflow, only: open_ghosts
     use brz_scheme, only: max_var, scheme_t

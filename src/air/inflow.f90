@@ -11,23 +11,14 @@
 !> reach the shock; a rise without a shock errs in the third order of its strength.
 module brz_inflow
     use brz_case, only: inflow_case_t
+    use brz_inflow_history, only: inflow_t
     use brz_kinds, only: dp, rk
     use brz_gas, only: to_conserved
     use brz_scheme, only: max_var
     use brz_time_table, only: mean_over, value_at
     implicit none
     private
-    public :: inflow_t, make_inflow, state_over, gas_over, fastest_over, wave_state
-
-    type :: inflow_t
-        integer :: axis = 1, side = 1 !! of the face; 1: low, 2: high
-        real(dp) :: gamma = 1.4_dp, rest(2) = 0 !! undisturbed air: density, pressure
-        real(dp), allocatable :: time(:) !! none where nothing changes [s]
-        real(dp), allocatable :: state(:, :) !! (points, 5) density, velocity, pressure; or
-        real(dp), allocatable :: overpressure(:) !! (points) of a wave [Pa]
-        logical :: wave = .false. !! the overpressure is given
-        logical :: marked = .false. !! its bricks count as reached
-    end type inflow_t
+    public :: make_inflow, state_over, gas_over, fastest_over, wave_state
 
 contains
 

@@ -3,8 +3,9 @@
 !> number in memory order, ghosts left out. Wall faces, between gas and solid, are listed by solid
 !> cell, direction, gas below or above.
 module brz_wall_items
-    use brz_air_boundary, only: bc_inside, bc_periodic, image_at
+    use brz_air_boundary, only: image_at
     use brz_air_grid, only: cell_at, grid_t, number_of, place_of
+    use brz_boundary_codes, only: bc_inside, bc_periodic
     use brz_kinds, only: int32, int64, int8
     implicit none
     private

@@ -9,7 +9,8 @@ module brz_carrier_motion
     use brz_kinds, only: dp, rk
     use brz_load_rules, only: lightness, pushed_velocity
     use brz_motion, only: mean_velocity, velocity_of
-    use brz_rigid, only: attitude, rigid_t, spin_of, turn
+    use brz_rigid, only: attitude, spin_of, turn
+    use brz_rigid_body, only: rigid_t
     use brz_solid_state, only: solid_t
     implicit none
     private

@@ -12,7 +12,8 @@ module brz_column_items
     use brz_cell_shells, only: index_along
     use brz_column_rules, only: direction_of, height_of, side_of, sign_of
     use brz_coupling_box, only: box_t, go_on, is_own, place_at
-    use brz_face_stress, only: layers_t, load_below
+    use brz_face_layers, only: layers_t
+    use brz_face_stress, only: load_below
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_load_rules, only: gas_push, gauge_force, load_weight
     use brz_scheme, only: mixture_gamma, scheme_t

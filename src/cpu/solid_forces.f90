@@ -4,9 +4,8 @@ module brz_solid_forces
     use brz_body, only: body_t
     use brz_cohesive_state, only: push_of
     use brz_air_force, only: air_force
-    use brz_artificial_stress, only: artificial_none
     use brz_force_layout, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_terms
-    use brz_formulation_names, only: form_rigid, form_total
+    use brz_formulation_names, only: artificial_none, form_rigid, form_total
     use brz_hold_layout, only: held_affine, held_energy, held_stiffness, n_held
     use brz_kernel, only: smoothing_length
     use brz_kinds, only: dp, int64, real32, rk

@@ -6,7 +6,8 @@
 module brz_solid_gradients
     use brz_algebra, only: copy_matrix, inverse3, multiply3, to_matrix
     use brz_body, only: body_t
-    use brz_contact_face, only: face_normal, face_past, face_strain, strain_face
+    use brz_contact_face, only: strain_face
+    use brz_face_layout, only: face_normal, face_past, face_strain
     use brz_face_stress, only: face_work
     use brz_formulation_names, only: form_bending, form_rigid, form_total, form_uncorrected
     use brz_gradient, only: correction, midstep_gradient, piola, stable_step, total_gradient

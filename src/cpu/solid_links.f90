@@ -8,7 +8,7 @@ module brz_solid_links
     use brz_bond_marks, only: bond_whole
     use brz_cell_grid, only: cell_span, extent, fill_cells, lay_grid, number_of_cell
     use brz_contact_items, only: owner_of
-    use brz_contact, only: law_bonded, law_none
+    use brz_interaction, only: law_bonded, law_none
     use brz_kinds, only: dp, int32, int64
     use brz_link_layout, only: link_unit, mask_unit, n_press
     use brz_link_rows, only: first_link, last_link, link_partner

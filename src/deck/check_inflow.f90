@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Gas that comes in through open faces: its keys, its values, and what they need.
+!> Gas that comes in through open faces: its values, and what they need.
 module brz_check_inflow
     use brz_case, only: case_t, inflow_case_t, name_len
     use brz_check_start, only: is_radial
@@ -7,57 +7,18 @@ module brz_check_inflow
     use brz_deck, only: complain, deck_t, may_be_misspelt, place
     use brz_errors, only: error_t, failed
     use brz_get, only: get, get_list, get_path, is_given
-    use brz_key, only: key_t, kind_text, required
     use brz_kinds, only: dp
     use brz_text, only: to_text
     implicit none
     private
-    public :: inflow_keys, check_inflows
+    public :: check_inflows
 
     character(*), parameter :: axes = 'xyz'
-    integer, parameter :: most_points = 200 !! of a history
     character(2), parameter :: faces(6) = ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']
     character(8), parameter :: of_state(4) = [character(8) :: 'density', 'pressure', 'velocity', &
                                               'mach']
 
 contains
-
-    !> Append the rows of &inflow.
-    subroutine inflow_keys(keys)
-        type(key_t), allocatable, intent(inout) :: keys(:)
-        character(*), parameter :: g = 'inflow'
-        real(dp), parameter :: zero = 0
-
-        keys = [keys, &
-                key_t(group=g, meaning='Gas outside an open face of the air that comes in: a '// &
-                      'wave of a given overpressure, or a given state, steady or a history. '// &
-                      'Waves from inside leave through it.'), &
-                key_t(group=g, key='id', kind=kind_text, meaning='Name of the inflow.'), &
-                key_t(group=g, key='face', kind=kind_text, default=required, &
-                      choices='x-|x+|y-|y+|z-|z+', &
-                      meaning="Face of the box; bc of &air there is 'outflow'."), &
-                key_t(group=g, key='time', n_max=most_points, unit='s', &
-                      meaning='Times of the history, growing; straight lines between them. Not '// &
-                      'needed for what never changes.'), &
-                key_t(group=g, key='overpressure', n_max=most_points, unit='Pa', &
-                      meaning='Wave that runs from the face into the undisturbed air: its '// &
-                      'overpressure at these times, 0 before and after; shock relations and '// &
-                      'characteristics give the rest.'), &
-                key_t(group=g, key='density', n_max=most_points, unit='kg/m3', lower=zero, &
-                      open_lower=.true., &
-                      meaning='State: density at these times, or one; that of the undisturbed '// &
-                      'air if absent. Before the first time and after the last it stays.'), &
-                key_t(group=g, key='pressure', n_max=most_points, unit='Pa', lower=zero, &
-                      open_lower=.true., meaning='State: pressure, likewise.'), &
-                key_t(group=g, key='velocity', n_max=3*most_points, unit='m/s', &
-                      meaning='State: velocity at these times, or one, three numbers each.'), &
-                key_t(group=g, key='mach', n_max=most_points, &
-                      meaning='State, in place of velocity: speed into the box over the speed '// &
-                      'of sound of the gas that comes.'), &
-                key_t(group=g, key='table', kind=kind_text, longest=256, &
-                      meaning='History from a file of comma-separated numbers: columns time '// &
-                      'and overpressure; or time, density, pressure and velocity_x, ..., or mach.')]
-    end subroutine inflow_keys
 
     !> Fill and check what comes in; the air must be there.
     subroutine check_inflows(deck, case)

@@ -1,44 +1,17 @@
 ! SPDX-License-Identifier: MIT
-!> Motions of regions of bodies: their keys, their values, and the bodies that they name.
+!> Motions of regions of bodies: their values, and the bodies that they name.
 module brz_check_motions
-    use brz_case, only: body_case_t, case_t, max_motion, name_len, region_case_t
+    use brz_case, only: body_case_t, case_t, name_len, region_case_t
     use brz_check_bodies, only: miss_body, moves_across, warn_cut
     use brz_deck, only: complain, deck_t, place
     use brz_get, only: get, get_boxes, get_list, is_usable
-    use brz_key, only: key_t, kind_text, required
     use brz_kinds, only: dp
     use brz_text, only: to_text
     implicit none
     private
-    public :: motion_keys, check_motions
+    public :: check_motions
 
 contains
-
-    !> Append the rows of &motion.
-    subroutine motion_keys(keys)
-        type(key_t), allocatable, intent(inout) :: keys(:)
-        character(*), parameter :: g = 'motion'
-
-        keys = [keys, &
-                key_t(group=g, meaning='A velocity that is prescribed for regions of a body, '// &
-                      'along all axes or some; a body may have many, and scenes without air.'), &
-                key_t(group=g, key='id', kind=kind_text, default=required, &
-                      meaning='Name of the motion, for gauges of its force.'), &
-                key_t(group=g, key='body', kind=kind_text, default=required, &
-                      meaning='Id of the body.'), &
-                key_t(group=g, key='box', n_min=6, n_max=48, unit='m', default=required, &
-                      meaning='Regions whose particles, where they are at the start, are '// &
-                      'moved: x0, x1, y0, y1, z0, z1 of each, up to eight.'), &
-                key_t(group=g, key='axes', kind=kind_text, n_max=3, choices='x|y|z', &
-                      meaning='Axes along which they are moved; along the others they are '// &
-                      'free. All if absent.'), &
-                key_t(group=g, key='time', n_max=max_motion, unit='s', &
-                      meaning='Times of the velocity, growing; straight lines between them, '// &
-                      'constant before and after. Not needed for one that never changes.'), &
-                key_t(group=g, key='velocity', n_min=3, n_max=3*max_motion, unit='m/s', &
-                      default=required, meaning='Velocity at these times, or one, three '// &
-                      'numbers each; 0 along axes that are free.')]
-    end subroutine motion_keys
 
     !> Fill and check the motions of a case; its bodies must be there.
     subroutine check_motions(deck, case)

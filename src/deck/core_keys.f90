@@ -4,14 +4,12 @@
 !> A row whose key is empty describes its group. A group with a key 'id' may stand many times. The
 !> keys of the material models are more rows of the same kind, with the model as owner.
 module brz_core_keys
+    use brz_action_keys, only: inflow_keys, load_keys, motion_keys
     use brz_body_keys, only: body_keys
     use brz_boundary_names, only: boundary_choices
     use brz_explosives, only: explosive_names
-    use brz_check_inflow, only: inflow_keys
-    use brz_check_loads, only: load_keys
-    use brz_check_motions, only: motion_keys
     use brz_gauge_quantities, only: quantity_choices
-    use brz_key, only: key_t, kind_integer, kind_logical, kind_real, kind_text, none, required
+    use brz_key, only: key_t, kind_integer, kind_logical, kind_text, none, required
     use brz_kinds, only: dp
     implicit none
     private

@@ -13,10 +13,11 @@ module brz_rigid_steps
     use brz_kinds, only: dp
     use brz_link_rows, only: glue_of, heat_of, layout_of_pushes, nodes_of
     use brz_motion, only: mean_velocity, velocity_of
-    use brz_motion_loops, only: for_each_drive_particle, for_each_follow_drive, for_each_follow_rigid, &
+    use brz_rigid_loops, only: for_each_drive_particle, for_each_follow_drive, for_each_follow_rigid, &
         for_each_place_rigid, for_each_settle_heat, for_each_sum_pairs
     use brz_rigid_motion, only: advance_rigid, rigid_step, settle_rigid
-    use brz_rigid_pose, only: pose_of, push_layout_t, resting_pose
+    use brz_push_layout, only: push_layout_t
+    use brz_rigid_pose, only: pose_of, resting_pose
     use brz_solid_backend, only: add_held_impulse
     use brz_solid_books, only: book_drag
     use brz_solid_state, only: solid_t

@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: MIT
 !> Each body on the GPU: its parameters, its material, and the kernels that suit them.
 module brz_gpu_solid_bodies
-    use brz_artificial_stress, only: artificial_none
     use brz_body, only: body_t
     use brz_device, only: allocate_buffer, find_kernel, put_buffer
     use brz_errors, only: error_t, exit_device, raise
-    use brz_formulation_names, only: form_bending, form_corrected_hourglass, form_rigid, form_total
+    use brz_formulation_names, only: artificial_none, form_bending, form_corrected_hourglass, &
+        form_rigid, form_total
     use brz_gradient, only: limiter_slope
     use brz_gpu_solid_layout, only: body_gpu_t, slice_width
     use brz_gpu_solid_state, only: bytes_of_real

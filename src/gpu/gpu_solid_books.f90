@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Numbers about all particles on the GPU: ledgers, extents, time step. Folded in a fixed order.
 module brz_gpu_solid_books
-    use brz_artificial_stress, only: artificial_none
     use brz_buffers, only: doubles_t, from
     use brz_device, only: clear_buffer
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
     use brz_force_items, only: n_sum
+    use brz_formulation_names, only: artificial_none
     use brz_gpu_common, only: partials_of
     use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
         book_contact_early, book_contact_heat, book_damage, book_early, book_force, &

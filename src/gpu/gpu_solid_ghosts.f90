@@ -4,7 +4,7 @@ module brz_gpu_solid_ghosts
     use brz_buffers, only: from
     use brz_device, only: copy_in
     use brz_errors, only: error_t
-    use brz_contact_face, only: n_face
+    use brz_face_layout, only: n_face
     use brz_rows, only: rows_t, rows_of => rows_of_copy
     use brz_gpu_solid_layout, only: at_damage, flag_drawn
     use brz_gpu_solid_state, only: column_of, words_of_real

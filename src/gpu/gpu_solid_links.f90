@@ -2,7 +2,6 @@
 !> Contact and bonds between bodies on the GPU: memory, lists of links.
 module brz_gpu_solid_links
     use brz_buffers, only: from
-    use brz_contact, only: law_bonded
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, copy_within, &
         put_buffer, reserve_buffer, side_by_side
     use brz_errors, only: error_t, failed
@@ -10,6 +9,7 @@ module brz_gpu_solid_links
     use brz_gpu_solid_lists, only: lay_lists, move_lists, pick_chosen
     use brz_gpu_solid_state, only: attach_links, bytes_of_real, threads_of
     use brz_solid_device, only: solid_device_t, news_all, news_none, news_part
+    use brz_interaction, only: law_bonded
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: fix_layout, link_layout_t
     use brz_list_drift, only: begin_links, links_reach, may_link

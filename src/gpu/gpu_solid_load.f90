@@ -3,8 +3,8 @@
 module brz_gpu_solid_load
     use brz_device_data, only: enter_data
     use brz_errors, only: error_t
-    use brz_face_load, only: loads_t
     use brz_kinds, only: dp
+    use brz_loads, only: loads_t
     implicit none
     private
     public :: open_gpu_loads

@@ -6,9 +6,9 @@
 module brz_gpu_solid_state
     use brz_body, only: body_t
     use brz_buffers, only: buffer_t, doubles_t, from, integers_t, reals_t
-    use brz_contact_face, only: n_face
     use brz_device, only: allocate_buffer, copy_in, copy_within, device_t, free_buffer, reserve_buffer
     use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_face_layout, only: n_face
     use brz_formulation_names, only: form_total
     use brz_force_items, only: n_sum
     use brz_gpu_solid_layout, only: at_accel, at_damage, at_energy, at_mass, at_mu, at_stress, &

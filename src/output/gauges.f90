@@ -11,13 +11,13 @@ module brz_gauges
     use brz_air_state, only: air_t, wall_t
     use brz_case, only: case_t, gauge_case_t, label, name_len
     use brz_check_start, only: is_radial
-    use brz_contact, only: law_contact
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_formulation_names, only: form_rigid
     use brz_gauge_places, only: choose_particle, strain_between
     use brz_gauge_quantities, only: find_quantity, from_impulse, is_motion, is_of_body, &
         of_displacement, of_history, of_state, of_strain, of_stress, of_velocity, quantities, &
         quantity_t
+    use brz_interaction, only: law_contact
     use brz_kinds, only: dp, int64
     use brz_material, only: n_hist
     use brz_materials, only: history_names

@@ -10,14 +10,11 @@
 module brz_artificial_stress
     use brz_algebra, only: to_matrix
     use brz_eigen, only: diagonalise
+    use brz_formulation_names, only: artificial_gray
     use brz_kinds, only: rk
     implicit none
     private
-    public :: artificial_stress, artificial_none, artificial_monaghan, artificial_gray
-
-    integer, parameter :: artificial_none = 0
-    integer, parameter :: artificial_monaghan = 1 !! of a negative pressure
-    integer, parameter :: artificial_gray = 2 !! of each tensile principal stress
+    public :: artificial_stress
 
 contains
 

@@ -2,10 +2,10 @@
 !> Body-pair force: that of contact between two bodies, summed over the particles of one.
 module brz_between_items
     use brz_body_pair, only: between_t
-    use brz_contact, only: law_shared, meeting_t
     use brz_contact_items, only: add_pair, look_along, owner_of, trace_at
     use brz_contact_release, only: is_tied
     use brz_force_layout, only: at_drag, n_terms
+    use brz_interaction, only: law_shared, meeting_t
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t, links_of, n_press
     use brz_pair_layout, only: n_pair

@@ -6,7 +6,7 @@ module brz_body
     use brz_kept_cells, only: kept_cells_t
     use brz_kinds, only: dp, rk
     use brz_motion, only: motion_t
-    use brz_rigid, only: rigid_t
+    use brz_rigid_body, only: rigid_t
     use brz_round_surface, only: round_t
     implicit none
     private

@@ -1,9 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> The numbers of a body that loops over its particles read.
 module brz_body_numbers
-    use brz_artificial_stress, only: artificial_none
-    use brz_face_stress, only: layers_t
-    use brz_formulation_names, only: form_bending
+    use brz_face_layers, only: layers_t
+    use brz_formulation_names, only: artificial_none, form_bending
     use brz_kinds, only: rk
     implicit none
     private

@@ -4,12 +4,13 @@
 !> approach or are compressed, though they start apart.
 module brz_bond_items
     use brz_bond_marks, only: bond_breaks, bond_broken, bond_whole
-    use brz_contact, only: bond_effort, joins, law_bonded, law_shared, meeting_t, takes_part
+    use brz_contact, only: bond_effort, joins, takes_part
     use brz_contact_items, only: look_ahead, look_along, owner_of
     use brz_force_layout, only: at_drag, at_heat, at_stiff, n_terms
     use brz_formulation_names, only: form_bending, form_corrected_hourglass
     use brz_gradient, only: moment_terms, outer_terms
     use brz_hold_layout, only: held_affine, held_stiffness, n_held
+    use brz_interaction, only: law_bonded, law_shared, meeting_t
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t, links_of

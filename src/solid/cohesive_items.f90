@@ -9,7 +9,8 @@
 !> a point are particles or ghosts there, so all that compute it do so from the same numbers.
 module brz_cohesive_items
     use brz_bond_marks, only: loose_by
-    use brz_cohesive_law, only: cohesive_law_t, has_damage, has_held, has_spent, load_point
+    use brz_cohesive_law, only: has_damage, has_held, has_spent, load_point
+    use brz_cohesive_numbers, only: cohesive_law_t
     use brz_kinds, only: dp, int32, int64, rk
     use brz_link_layout, only: mask_unit
     use brz_particle_marks, only: is_gone

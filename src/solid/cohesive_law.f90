@@ -11,30 +11,15 @@
 !>
 !> Source: Camanho and Davila, NASA/TM-2002-211737; docs/fracture.md
 module brz_cohesive_law
+    use brz_cohesive_numbers, only: cohesive_law_t, mixed_bk
     use brz_kinds, only: dp
     implicit none
     private
-    public :: cohesive_law_t, load_point, separate, mode_of, slide_range, mixed_bk, mixed_power
+    public :: load_point, separate, mode_of, slide_range
     public :: has_damage, has_spent, has_held
 
-    integer, parameter :: mixed_bk = 1, mixed_power = 2
     ! the state of a point: damage 0..1, energy of the damage so far, energy that comes back [J]
     integer, parameter :: has_damage = 1, has_spent = 2, has_held = 3
-
-    !> The numbers of an interface.
-    type :: cohesive_law_t
-        real(dp) :: stiffness !! [Pa/m]
-        real(dp) :: strength(2) !! in tension and in shear [Pa]
-        real(dp) :: energy(2) !! in tension and in shear [J/m2]
-        real(dp) :: exponent !! of the law of mixed modes [-]
-        integer :: mixed !! mixed_bk or mixed_power
-        !> of the opening across and along the interface: the law is that of openings so much
-        !> smaller, which makes it softer by the square, with the same strength and energy
-        real(dp) :: stretch(2) = 1
-        !> in addition to stretch(2), of plies: along the first tangent more and along the second
-        !> less by the first number, and across each other by the second
-        real(dp) :: skew(2) = 0
-    end type cohesive_law_t
 
 contains
 

@@ -1,16 +1,16 @@
 ! SPDX-License-Identifier: MIT
 !> Cohesive interfaces, from the deck and the particles: points, stiffness, stable step.
 module brz_cohesive_setup
-    use brz_body_shape, only: shape_t
     use brz_bond_marks, only: loose_by
     use brz_case, only: case_t, interaction_case_t, label
     use brz_cohesive_faces, only: drop_faces, faces_t, find_faces
     use brz_cohesive_layers, only: add_layers, keep_energy
-    use brz_cohesive_law, only: cohesive_law_t, mixed_bk, mixed_power, mode_of, slide_range
+    use brz_cohesive_law, only: mode_of, slide_range
+    use brz_cohesive_numbers, only: cohesive_law_t, mixed_bk, mixed_power
     use brz_cohesive_points, only: begin_points, lay_points, link_nodes
     use brz_cohesive_state, only: cohesive_t
-    use brz_contact, only: law_cohesive, law_contact
     use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_interaction, only: law_cohesive, law_contact
     use brz_interaction_setup, only: find_rule
     use brz_kinds, only: dp, int32, real32
     use brz_material, only: material_t
@@ -31,9 +31,9 @@ module brz_cohesive_setup
 contains
 
     !> All interfaces of a scene whose particles are placed and in the order of their numbers.
-    subroutine set_up_cohesive(case, shapes, solid, err)
+    subroutine set_up_cohesive(case, apart, solid, err)
         type(case_t), intent(in) :: case
-        type(shape_t), intent(in) :: shapes(:) !! of the bodies
+        real(dp), intent(in) :: apart(:, :) !! (3, bodies) of the lattices [m]
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         type(interaction_case_t) :: rule
@@ -50,7 +50,7 @@ contains
             do a = 1, b - 1
                 if (solid%links%table(a, b)%law /= law_cohesive) cycle
                 call find_rule(case, a, b, rule)
-                call lay_interface(case, rule, [a, b], shapes, solid, n, err)
+                call lay_interface(case, rule, [a, b], apart, solid, n, err)
                 if (failed(err)) return
             end do
         end do
@@ -69,11 +69,11 @@ contains
 
     !> Points of one interface. Bodies that do not touch meet by contact, or are refused where the
     !> deck names both.
-    subroutine lay_interface(case, rule, pair, shapes, solid, k, err)
+    subroutine lay_interface(case, rule, pair, apart, solid, k, err)
         type(case_t), intent(in) :: case
         type(interaction_case_t), intent(in) :: rule
         integer, intent(in) :: pair(2) !! bodies
-        type(shape_t), intent(in) :: shapes(:)
+        real(dp), intent(in) :: apart(:, :)
         type(solid_t), intent(inout) :: solid
         integer, intent(inout) :: k !! interfaces so far
         type(error_t), intent(inout) :: err
@@ -87,7 +87,7 @@ contains
             a = pair(2)
             b = pair(1)
         end if
-        layers = reshape([shapes(a)%spacing, shapes(b)%spacing], [3, 2])
+        layers = apart(:, [a, b])
         spacing = maxval(layers(:solid%dimension, :), dim=1)
         call find_faces(solid, a, b, layers, faces)
         do i = 1, rule%n_open_boxes

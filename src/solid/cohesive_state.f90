@@ -6,7 +6,7 @@
 !> are numbered for life; only where in the arrays their particle lies changes with every sort.
 !> Forces are gathered: the points of a node lie side by side in `back`.
 module brz_cohesive_state
-    use brz_cohesive_law, only: cohesive_law_t
+    use brz_cohesive_numbers, only: cohesive_law_t
     use brz_kinds, only: dp, int32, int8
     implicit none
     private

@@ -9,20 +9,18 @@
 !>
 !> Source: docs/solid.md section 9
 module brz_contact
+    use brz_interaction, only: law_bonded, law_shared, meeting_t
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, rk
     implicit none
     private
     public :: spring_share, crossing_share
-    public :: meeting_t, law_none, law_contact, law_bonded, law_shared, law_cohesive
     public :: contact_normal, contact_push, contact_drag, drag_stiffness, bond_effort, in_core
     public :: spring_loss, core_loss, surface_velocity, add_moment
     public :: add_link, mean_stiffness, link_pressure
     public :: joins, takes_part, shared_volume
     public :: n_link, link_sum, link_stiffness, link_rate, link_normal
 
-    integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2, law_shared = 3, &
-                          law_cohesive = 4
     real(rk), parameter :: hard_core = 0.5_rk !! closer than this many spacings a pair is a spring
 
     real(dp), parameter :: spring_share = 0.5_dp !! of the period of a contact over 2 pi
@@ -35,39 +33,6 @@ module brz_contact
     integer, parameter :: link_normal = 3 !! + 1..3: sum of V F x_ij/touch [1/m]
     integer, parameter :: link_weight = 7 !! as link_sum, without what strain adds
     integer, parameter :: n_link = 7
-
-    !> How a particle of one body meets those of another.
-    type :: meeting_t
-        integer :: law !! law_none, ...
-        real(rk) :: h, scale, half_over_h !! mean smoothing length, see brz_kernel
-        real(rk) :: spacing !! mean distance of particles [m]
-        real(rk) :: touch !! kernel sum of a flat surface of the other body one spacing away
-        real(rk) :: slope !! force of such a surface per pressure, for areas of pairs [-]
-        real(rk) :: steep !! how fast that sum grows over itself as the face moves [1/m]
-        real(rk) :: reach(2) !! how far the faces of both move for a unit of strain [m]
-        real(rk) :: stiffness !! kappa [Pa]
-        real(rk) :: core !! bulk modulus times area of the hard core [N]
-        real(rk) :: impedance !! of damping, alpha/2 sqrt(K rho) [kg/(m2 s)]
-        real(rk) :: friction !! Coulomb's coefficient
-        real(rk) :: stick !! impedance of friction below Coulomb's limit [kg/(m2 s)]
-        logical :: shared !! pressures of the two bodies are shared
-        logical :: rigid !! the first body is
-        real(rk) :: part(2) !! weight of a bonded pair in the gradients of the first, of the second
-        real(rk) :: viscous(2) !! what each of two bonded bodies gives of its viscosity [-]
-        integer :: formulation !! common to both bodies, 0: they differ
-        real(rk) :: spares !! 1: the viscosity of both spares smooth flow, see jump_speed
-        logical :: directional !! both have a hourglass stiffness along axes
-        real(rk) :: arm(2) !! share of x_ij from each to the common surface; 0: it does not turn
-        real(rk) :: rest(2) !! volume per mass of both, unloaded [m3/kg]
-        real(rk) :: weight(2) !! bulk moduli over their mean [-]
-        real(rk) :: normal(3, 2) !! of the layers of the first and of the second, 0: no tilts
-        real(rk) :: lift(2) !! of the faces of both over their tilts, see brz_tilted_arm
-        logical :: curved(2) !! these are radial at each particle, see brz_body
-        real(dp) :: middle(3, 2) !! a point of the axes of such walls [m]
-        real(rk) :: tensile, shear !! strengths of a bond [Pa]
-        logical :: quadratic !! both strengths act together
-        integer :: bit !! of a cohesive interface in `joined` of links_t, else 0
-    end type meeting_t
 
 contains
 

@@ -9,9 +9,9 @@
 !> Source: docs/solid.md section 9, faces in contact
 module brz_contact_edges
     use brz_body, only: body_t
-    use brz_contact, only: law_bonded, law_contact
-    use brz_contact_face, only: face_edge
     use brz_edge_shares, only: edge_shares, n_edge, share_of
+    use brz_face_layout, only: face_edge
+    use brz_interaction, only: law_bonded, law_contact
     use brz_kinds, only: dp, real32
     use brz_solid_state, only: solid_t
     implicit none

@@ -14,15 +14,7 @@ module brz_contact_face
     use brz_kinds, only: real32, rk
     implicit none
     private
-    public :: n_face, face_normal, face_strain, face_past, face_edge
     public :: strain_face, add_push_by_face, turn_normal
-
-    ! slots of `face`
-    integer, parameter :: face_normal = 0 !! + 1..3: unit normal; 0: nothing is near
-    integer, parameter :: face_strain = 4 !! of the half layer; a step before
-    integer, parameter :: face_past = 5
-    integer, parameter :: face_edge = 6 !! share of the springs near the edge of a flat face
-    integer, parameter :: n_face = 6
 
     real(rk), parameter :: most_strain = 0.3_rk, least_strain = -0.7_rk !! then the face stays
 

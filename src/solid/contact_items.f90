@@ -4,13 +4,13 @@
 !> Forces are gathered, and equal and opposite pair by pair.
 module brz_contact_items
     use brz_contact, only: add_link, add_moment, contact_drag, contact_normal, contact_push, &
-        core_loss, crossing_share, drag_stiffness, law_shared, link_normal, link_pressure, &
-        link_stiffness, link_sum, mean_stiffness, meeting_t, n_link, shared_volume, spring_loss, &
-        spring_share, surface_velocity
-    use brz_contact_face, only: add_push_by_face, face_edge, face_normal, face_past, &
-        face_strain, turn_normal
+        core_loss, crossing_share, drag_stiffness, link_normal, link_pressure, link_stiffness, &
+        link_sum, mean_stiffness, n_link, shared_volume, spring_loss, spring_share, surface_velocity
+    use brz_contact_face, only: add_push_by_face, turn_normal
     use brz_contact_release, only: is_freed, is_tied, later_touch
+    use brz_face_layout, only: face_edge, face_normal, face_past, face_strain
     use brz_force_layout, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_terms
+    use brz_interaction, only: law_shared, meeting_t
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t, links_of, mask_unit, n_press

@@ -5,7 +5,8 @@
 !> Source: docs/solid.md section 9
 module brz_contact_release
     use brz_bond_marks, only: bond_breaks, bond_whole, loose_by
-    use brz_contact, only: joins, law_bonded, meeting_t
+    use brz_contact, only: joins
+    use brz_interaction, only: law_bonded, meeting_t
     use brz_kinds, only: int32, real32, rk
     implicit none
     private

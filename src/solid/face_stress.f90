@@ -10,21 +10,12 @@
 !>
 !> Source: docs/solid.md section 4, loaded faces
 module brz_face_stress
+    use brz_face_layers, only: layers_t
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, rk
     implicit none
     private
-    public :: add_face_stress, face_share, face_work, layers_t, load_below, spread_shares
-
-    !> The lattice of a body under the faces of the air, whose load is spread over depth.
-    type :: layers_t
-        real(rk) :: apart(3) = 0 !! distance of layers [m]
-        real(rk) :: across(3) = 0 !! particles of a layer per face of the air
-        real(rk) :: range(3) = 0 !! where the weights have fallen to 0, in layers
-        real(rk) :: whole(3) = 0 !! weight of a column that is as deep, in that of a layer
-        real(rk) :: more(3, 3) = 0 !! see spread_shares; of each direction
-        real(rk) :: share = 0 !! face_share of the body, for which the stress is kept
-    end type layers_t
+    public :: add_face_stress, face_share, face_work, load_below, spread_shares
 
     integer, parameter :: most_layers = 64 !! in the reach of a load; beyond, none is missed
 

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The kernel sum over a body with a flat surface: the measure of the contact between bodies.
 module brz_flat_surface
-    use brz_contact, only: meeting_t
+    use brz_interaction, only: meeting_t
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, rk
     implicit none

@@ -1,14 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> How a body is computed: the settings of the deck, completed by what follows from them.
 module brz_formulation
-    use brz_artificial_stress, only: artificial_gray, artificial_monaghan, artificial_none
     use brz_body, only: body_t
     use brz_case, only: body_case_t, label
     use brz_crack_band, only: crack_width
     use brz_errors, only: error_t, exit_deck, raise
     use brz_face_stress, only: face_share
-    use brz_formulation_names, only: form_bending, form_corrected, form_corrected_hourglass, &
-        form_rigid, form_total, form_uncorrected
+    use brz_formulation_names, only: artificial_gray, artificial_monaghan, artificial_none, &
+        form_bending, form_corrected, form_corrected_hourglass, form_rigid, form_total, &
+        form_uncorrected
     use brz_gradient, only: limiter_balsara, limiter_compression, limiter_none, limiter_slope
     use brz_hourglass_axes, only: lay_axes
     use brz_kernel, only: kernel_shape

@@ -3,11 +3,12 @@
 module brz_interaction_setup
     use brz_body, only: body_t
     use brz_case, only: case_t, interaction_case_t, label, means
-    use brz_contact, only: law_bonded, law_cohesive, law_contact, law_none, law_shared, meeting_t
     use brz_errors, only: error_t, exit_deck, raise
     use brz_flat_surface, only: flat_sum
     use brz_formulation_names, only: form_corrected_hourglass, form_rigid, form_total
     use brz_gradient, only: limiter_slope
+    use brz_interaction, only: law_bonded, law_cohesive, law_contact, law_none, law_shared, &
+        meeting_t
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: dp, real32, rk
     use brz_material, only: material_t

@@ -2,9 +2,10 @@
 !> Particles that leave the region, one at a time. There is no other erosion of particles.
 module brz_leaving_items
     use brz_bond_marks, only: loose_by
-    use brz_contact, only: crossing_share, in_core, law_shared, meeting_t
+    use brz_contact, only: crossing_share, in_core
     use brz_contact_items, only: look_along, owner_of
     use brz_contact_release, only: is_tied
+    use brz_interaction, only: law_shared, meeting_t
     use brz_kinds, only: dp, int32, int64, rk
     use brz_link_layout, only: link_layout_t, links_of, n_press
     use brz_particle_marks, only: is_free, is_gone, is_leaving

@@ -2,13 +2,13 @@
 !> The inter-body neighbours of a particle, called links, as lists of links_t hold them on the CPU.
 module brz_link_rows
     use brz_bond_marks, only: bond_whole
-    use brz_contact, only: law_bonded
     use brz_contact_items, only: owner_of
     use brz_force_layout, only: at_drag, at_heat, at_stiff
+    use brz_interaction, only: law_bonded
     use brz_kinds, only: dp, int32, int64
     use brz_link_layout, only: link_unit, mask_unit
     use brz_links, only: links_t
-    use brz_rigid_pose, only: push_layout_t
+    use brz_push_layout, only: push_layout_t
     use brz_solid_state, only: solid_t
     implicit none
     private

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Inter-body neighbours: pairs of particles of different bodies, and what passes between them.
 module brz_links
-    use brz_contact, only: meeting_t
+    use brz_interaction, only: meeting_t
     use brz_kinds, only: dp, int32, real32, rk
     use brz_link_layout, only: link_layout_t
     implicit none

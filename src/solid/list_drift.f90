@@ -17,8 +17,8 @@
 !> part, too: those near new places, and those of stale pairs of bodies, of which one is sorted anew
 !> or which have drifted too far since S. All others may hold entries out of reach.
 module brz_list_drift
-    use brz_contact, only: law_none
     use brz_formulation_names, only: form_rigid, form_total
+    use brz_interaction, only: law_none
     use brz_kept_cells, only: kept_cells_t
     use brz_kinds, only: dp, int64
     use brz_move_level, only: move_levels, renewed_level

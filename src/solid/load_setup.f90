@@ -4,13 +4,14 @@ module brz_load_setup
     use brz_body, only: body_t
     use brz_body_shape, only: shape_t
     use brz_case, only: case_t, load_case_t, label
-    use brz_contact, only: law_bonded
     use brz_edge_shares, only: edge_shares, n_edge, share_of
     use brz_errors, only: error_t, exit_deck, failed, raise
-    use brz_face_load, only: arrival_of, facets_t, find_places, lay_out
+    use brz_face_load, only: arrival_of, find_places, lay_out
+    use brz_interaction, only: law_bonded
     use brz_kinds, only: dp, int32, real32, rk
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, friedlander_decay, nearest, &
                                    nearest_ground, oblique_shares, surface_blast
+    use brz_loads, only: facets_t
     use brz_patch, only: is_under
     use brz_solid_state, only: solid_t
     use brz_stl, only: mesh_t, read_stl

@@ -3,26 +3,17 @@
 !> physics: compiled for the CPU and for the GPU.
 module brz_rigid_pose
     use brz_kinds, only: dp
-    use brz_rigid, only: attitude, cross, rigid_t
+    use brz_rigid, only: attitude, cross
+    use brz_rigid_body, only: rigid_t
     implicit none
     private
     public :: pose_t, pose_of, resting_pose, place_point, velocity_at, arm_at, spin_at
-    public :: push_layout_t
 
     type :: pose_t
         real(dp) :: centre(3), x(3) !! unloaded and now [m]
         real(dp) :: velocity(3), spin(3) !! [m/s], [1/s]
         real(dp) :: turn(9), half(9) !! attitude at the step and in its middle
     end type pose_t
-
-    !> Where sums of the pairs with other bodies lie, in rows or in columns.
-    type :: push_layout_t
-        integer :: compact !! 1: of each particle that has links; 0: of each particle
-        integer :: step_c, step_p !! distances of numbers, and of particles
-        integer :: drag, torque !! numbers before the forces, the torques of drag
-        integer :: heat !! place of the heat of the pairs; 0: it has been booked
-        integer :: glued !! 1: forces of interfaces are not among them
-    end type push_layout_t
 
 contains
 

@@ -4,9 +4,10 @@ module brz_rigid_setup
     use brz_algebra, only: inverse3
     use brz_body, only: body_t
     use brz_case, only: body_case_t, label
-    use brz_contact, only: law_none, spring_share
+    use brz_contact, only: spring_share
     use brz_errors, only: error_t, exit_deck, raise
     use brz_formulation_names, only: form_rigid
+    use brz_interaction, only: law_none
     use brz_kinds, only: dp, rk
     use brz_motion, only: velocity_of
     use brz_particle_marks, only: is_held

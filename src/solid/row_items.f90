@@ -2,10 +2,12 @@
 !> Between the passes: what pass 2 gathers of a particle, from its gradients and its stress.
 module brz_row_items
     use brz_algebra, only: copy_matrix, inverse3, multiply3, to_matrix
-    use brz_artificial_stress, only: artificial_none, artificial_stress
+    use brz_artificial_stress, only: artificial_stress
     use brz_body, only: body_t
-    use brz_contact_face, only: face_normal, face_past, face_strain, strain_face
-    use brz_formulation_names, only: form_bending, form_corrected_hourglass, form_total
+    use brz_contact_face, only: strain_face
+    use brz_face_layout, only: face_normal, face_past, face_strain
+    use brz_formulation_names, only: artificial_none, form_bending, form_corrected_hourglass, &
+        form_total
     use brz_gradient, only: piola, shear_limiter
     use brz_hold_layout, only: held_affine, held_energy, held_stiffness, held_whole, n_held
     use brz_kinds, only: int32, real32, rk

@@ -2,8 +2,8 @@
 !> Allocation of the arrays of the particles, for a fresh start and for a restart alike.
 module brz_solid_arrays
     use brz_body, only: body_t
+    use brz_face_layout, only: n_face
     use brz_kinds, only: dp, int64, rk
-    use brz_contact_face, only: n_face
     use brz_link_layout, only: link_layout_t, link_unit, n_press
     use brz_particle_groups, only: lanes
     use brz_solid_fields, only: fields_of, fields_t, make_fields, memory_of

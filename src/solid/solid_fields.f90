@@ -4,7 +4,7 @@
 module brz_solid_fields
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr, c_ptr
     use brz_bond_marks, only: bond_none
-    use brz_contact_face, only: face_edge, n_face
+    use brz_face_layout, only: face_edge, n_face
     use brz_formulation_names, only: form_total
     use brz_hold_layout, only: n_held
     use brz_kinds, only: int16, int32, int64, int8, real32, real64, rk

@@ -12,8 +12,8 @@
 module brz_solid_skin
     use brz_body, only: body_t
     use brz_cell_grid, only: box_span, cell_span, fill_cells, lay_grid, number_of_cell
-    use brz_contact, only: law_none
     use brz_flat_surface, only: flat_sum
+    use brz_interaction, only: law_none
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, real32, rk
     use brz_solid_mirror, only: signs

@@ -7,9 +7,9 @@ module brz_solid_state
     use brz_body, only: body_t
     use brz_body_pair, only: between_t
     use brz_cohesive_state, only: cohesive_t
-    use brz_face_load, only: loads_t
     use brz_kinds, only: dp, int16, int32, int64, int8, real32, rk
     use brz_links, only: links_t
+    use brz_loads, only: loads_t
     use brz_material, only: material_t
     use brz_ranks, only: ranks_t
     use brz_search_arrays, only: search_t

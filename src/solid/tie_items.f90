@@ -2,9 +2,10 @@
 !> Links of particles that are listed anew, who has some, and which of them can have contact until
 !> then, where no bond or interface lets go.
 module brz_tie_items
-    use brz_contact, only: joins, law_shared, meeting_t
+    use brz_contact, only: joins
     use brz_contact_items, only: owner_of
     use brz_contact_release, only: is_tied
+    use brz_interaction, only: law_shared, meeting_t
     use brz_kinds, only: int32, int64
     use brz_link_layout, only: link_layout_t, links_of, mask_unit
     implicit none

@@ -11,9 +11,10 @@ module brz_wall_facets
     use brz_body, only: body_t
     use brz_body_shape, only: axis_of, layers_of, shape_t
     use brz_case, only: body_case_t
-    use brz_face_load, only: facets_t, lay_out
+    use brz_face_load, only: lay_out
     use brz_kinds, only: dp
     use brz_layered_wall, only: ring_of, turned_place
+    use brz_loads, only: facets_t
     use brz_solid_state, only: solid_t
     implicit none
     private

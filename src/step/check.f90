@@ -31,7 +31,8 @@ module brz_check
     use brz_solid_start, only: solid_time_step
     use brz_text, only: to_text
     use brz_time_step, only: choose_time_step
-    use brz_work, only: particle_costs, print_work, whole_step, work_t
+    use brz_whole_step, only: whole_step
+    use brz_work, only: particle_costs, print_work, work_t
     implicit none
     private
     public :: print_check, print_outline

@@ -2,24 +2,13 @@
 !> The progress line: what a run prints while it goes on.
 module brz_progress
     use, intrinsic :: iso_fortran_env, only: output_unit
-    use brz_kinds, only: dp, int64
+    use brz_kinds, only: dp
+    use brz_run_counts, only: progress_t
     use brz_screen, only: say
     use brz_timer, only: wall_seconds
     implicit none
     private
-    public :: progress_t, start_progress, progress_line
-
-    !> Counters between two lines, and the wall clock.
-    type :: progress_t
-        real(dp) :: wall_start = 0 !! wall clock when the run started [s]
-        real(dp) :: wall_line = 0 !! wall clock of the last line [s]
-        real(dp) :: time_line = 0 !! simulated time of the last line [s]
-        integer :: cycle_line = 0 !! cycle of the last line
-        integer(int64) :: cell_steps = 0, particle_steps = 0 !! since the start of the run
-        integer(int64) :: cells_line = 0, particles_line = 0 !! the same at the last line
-        real(dp) :: air_seconds = 0, solid_seconds = 0, coupling_seconds = 0 !! time spent
-        real(dp) :: rate = 0 !! moving mean of simulated time per wall-clock time [-]
-    end type progress_t
+    public :: start_progress, progress_line
 
 contains
 

@@ -30,7 +30,8 @@ module brz_run
     use brz_setup_progress, only: begin_setup, end_setup
     use brz_screen, only: say, warn
     use brz_signals, only: checkpoint_asked, listen_to_signals, look_for_stop_file, stop_asked
-    use brz_simulation, only: set_up_simulation, simulation_t
+    use brz_simulation, only: simulation_t
+    use brz_simulation_setup, only: set_up_simulation
     use brz_summary, only: print_summary
     use brz_text, only: to_text
     use brz_time_step, only: advance

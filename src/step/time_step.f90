@@ -20,7 +20,7 @@ module brz_time_step
     use brz_solid_start, only: solid_time_step
     use brz_text, only: to_text
     use brz_timer, only: lap, wall_seconds
-    use brz_work, only: whole_step
+    use brz_whole_step, only: whole_step
     implicit none
     private
     public :: advance, choose_time_step

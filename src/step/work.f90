@@ -13,10 +13,7 @@ module brz_work
     implicit none
     private
     public :: work_t, core_seconds, cell_seconds, particle_costs, particle_seconds, print_work
-    public :: whole_step
 
-    ! Steps of one core [1/s] by which `whole_step` weighs air and bodies: the results depend on it.
-    real(dp), parameter :: cell_rate = 4e6_dp, particle_rate = 1.3e6_dp
     ! Seconds of one core for a step of a cell, and of a particle by formulation; what materials of
     ! many operations add; share of it in fewer dimensions, where a particle has fewer neighbours.
     real(dp), parameter :: of_cell = 3.5e-7_dp, of_wall_cell = 1.5e-7_dp
@@ -26,8 +23,6 @@ module brz_work
     real(dp), parameter :: of_dimension(3) = [0.3_dp, 0.5_dp, 1.0_dp]
     ! Steps of one GPU [1/s]: an H200 in real64
     real(dp), parameter :: gpu_cells = 2e9_dp, gpu_particles = 1.1e8_dp
-
-    real(dp), parameter :: most_ratio = 1e6_dp !! of steps beyond which a part of one is nothing
 
     type :: work_t
         real(dp) :: steps = 0 !! of the air, or of the bodies alone
@@ -101,23 +96,6 @@ contains
             cost = cost + of_cracks
         end if
     end function particle_cost
-
-    !> A step of the air that is a whole number of the bodies' own steps, or as it was, whichever
-    !> carries a scene on for less work: 2.2 steps of the bodies would have to be made as three.
-    pure real(dp) function whole_step(dt, dt_solid, cells, particles) result(step)
-        real(dp), intent(in) :: dt, dt_solid !! largest steps of the air and the bodies [s]
-        real(dp), intent(in) :: cells, particles !! of them all
-        real(dp) :: air, body, ratio
-
-        step = dt
-        ratio = dt/dt_solid
-        if (.not. ratio > 1 .or. ratio > most_ratio) return
-        air = cells/cell_rate
-        body = particles/particle_rate
-        if ((air + aint(ratio)*body)*ratio > (air + real(ceiling(ratio), dp)*body)*aint(ratio)) &
-            return
-        step = aint(ratio)*dt_solid*(1 - 4*epsilon(dt)) ! does not round to one step more
-    end function whole_step
 
     !> How long a run will take here, about.
     subroutine print_work(work, gpus)

@@ -38,17 +38,26 @@ CUF = "    !@cuf attributes(host,device) &\n"
 LONG = "    subroutine s()\n" + "    continue\n" * 79 + "    end subroutine s\n"
 KERNEL = LONG.replace("    subroutine", "    attributes(global) subroutine", 1)
 KIND = "type, bind(c) :: x_t\n    end type x_t"
+USE = "use brz_a, only: x"
 MANY = "    subroutine s(a, b, c, d, &\n        e, f, g, h, i, j, k, l, m)\n    end subroutine s\n"
 RULES = [
-    ({"air/a.f90": {}, "base/b.f90": {"use": "use brz_a, only: x"}}, "base must not use brz_a"),
-    ({"air/a.f90": {}, "solid/b.f90": {"use": "use brz_a, only: x"}}, "solid must not use brz_a"),
-    ({"cpu/a.f90": {}, "coupling/b.f90": {"use": "use brz_a, only: x"}}, "must not use brz_a"),
-    ({"deck/a.f90": {}, "air/b.f90": {"use": "use brz_a, only: x", "mark": CUF}}, "host code"),
+    ({"air/a.f90": {}, "base/b.f90": {"use": USE}}, "base must not use brz_a"),
+    ({"air/a.f90": {}, "solid/b.f90": {"use": USE}}, "solid must not use brz_a"),
+    ({"cpu/a.f90": {}, "coupling/b.f90": {"use": USE}}, "must not use brz_a"),
+    ({"deck/a.f90": {}, "air/b.f90": {"use": USE, "mark": CUF}}, "host code"),
     ({"base/a.f90": {"body": LONG}}, "s has 81 lines"),
     ({"base/a.f90": {"body": MANY}}, "s has 13 arguments"),
     ({"base/a.f90": {"body": "! filler\n" * 600}}, "lines; at most 600"),
     ({"base/a.f90": {"use": "use brz_b"}, "base/b.f90": {}}, "use brz_b without only"),
     ({"odd/a.f90": {}}, "src/odd is no layer"),
+    ({"air/step/a.f90": {}, "air/grid/b.f90": {"use": USE}}, "b.f90:3: grid must not use brz_a of"),
+    (
+        {"air/step/a_items.f90": {}, "air/grid/b.f90": {"use": USE.replace("_a", "_a_loops")}},
+        "grid must not use brz_a_loops of step",
+    ),
+    ({"materials/driver/a.f90": {}, "materials/b.f90": {"use": USE}}, ". must not use brz_a of d"),
+    ({"air/odd/a.f90": {}}, "a.f90:1: src/air/odd is no room"),
+    ({"air/step/a.f90": {}, "air/b.f90": {}}, "b.f90:1: src/air is no room; src/air has grid"),
     ({"air/a.f90": {"use": KIND}, "gpu/b.f90": {"use": KIND}}, "b.f90:3: x_t is a type of src/air"),
     ({"cpu/solid_sums.f90": {}, "gpu/gpu_solid_totals.f90": {}}, "cpu: solid_sums has no twin"),
     ({"cpu/solid_sums.f90": {}, "gpu/gpu_solid_totals.f90": {}}, "gpu: solid_totals has no twin"),
@@ -91,11 +100,14 @@ def test_what_keeps_the_rules_passes(tmp_path):
     put(tmp_path, "base/a.f90", body="    subroutine s(a, b)\n    end subroutine s\n")
     put(tmp_path, "cpu/b.f90", use="use brz_a, only: s")
     put(tmp_path, "gpu/gpu_b.f90", use="use brz_a, only: s")
-    put(tmp_path, "step/c.f90", use="use brz_b, only: t")
+    put(tmp_path, "step/run/c.f90", use="use brz_b, only: t")
+    put(tmp_path, "step/run/d.f90", use="use brz_c, only: t")
+    put(tmp_path, "step/check/e.f90")
+    put(tmp_path, "step/run/f.f90", use="use brz_e, only: t")
     assert structure(tmp_path) == (0, "")
-    put(tmp_path, "base/d.f90").rename(tmp_path / "src/base/e.f90")
-    assert "must hold module brz_e alone" in structure(tmp_path)[1]
-    (tmp_path / "src/base/e.f90").write_text("module brz_e\nend module brz_e\n")
+    put(tmp_path, "base/g.f90").rename(tmp_path / "src/base/h.f90")
+    assert "must hold module brz_h alone" in structure(tmp_path)[1]
+    (tmp_path / "src/base/h.f90").write_text("module brz_h\nend module brz_h\n")
     assert "first line must be" in structure(tmp_path)[1]
 
 

@@ -10,7 +10,8 @@ module scene_tools
     use brz_ledger, only: ledger_start_t, balance_t, take_stock
     use brz_ranks, only: ranks_t
     use brz_scanner, only: read_deck
-    use brz_simulation, only: set_up_simulation, simulation_t
+    use brz_simulation, only: simulation_t
+    use brz_simulation_setup, only: set_up_simulation
     use brz_text, only: string_t
     use brz_time_step, only: advance
     use shared_steps, only: solid_totals, solid_totals_t

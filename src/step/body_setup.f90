@@ -14,7 +14,7 @@ module brz_body_setup
     use brz_case, only: body_case_t, case_t, label
     use brz_cohesive_setup, only: set_up_cohesive
     use brz_crack_band, only: judge_crack
-    use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_errors, only: error_t, failed
     use brz_formulation, only: settle_formulation
     use brz_gauge_quantities, only: find_quantity, from_impulse, quantities
     use brz_contact_edges, only: find_contact_edges
@@ -80,7 +80,8 @@ contains
         if (failed(err)) return
         call find_contact_edges([(is_whole_box(points(b)%shape, solid%bodies(b)), &
                                   b=1, size(points))], solid)
-        call set_up_cohesive(case, points%shape, solid, err)
+        call set_up_cohesive(case, reshape([(points(b)%shape%spacing, b=1, size(points))], &
+                                           [3, size(points)]), solid, err)
         if (.not. failed(err)) call judge_bonds(case, solid)
         call set_up_loads(case, points%shape, solid, err)
         call set_up_watch(case, solid)
