@@ -51,10 +51,9 @@ MODELS := $(wildcard src/materials/*.f90)
 CUDA := $(sort $(wildcard cuda/*.CUF))
 FAMILIES := $(sort $(foreach f,$(CUDA),$(firstword $(subst _, ,$(basename $(notdir $f))))))
 VARIED := $(foreach f,$(FAMILIES),$(if $(shell grep -lsE '^ *!@kernel [^*]+$$' cuda/$f*.CUF),$f))
-VARIANTS := $(shell grep -ls '^ *!@variant' $(SRC))
 FOREIGN := $(shell grep -ls '^ *!@foreign' $(SRC))
 MIRRORED := $(shell grep -ls '^ *!@mirror' $(SRC))
-REWRITTEN := $(VARIANTS) $(FOREIGN)
+REWRITTEN := $(FOREIGN)
 STEPS := $(shell grep -ls 'scripts/steps.py' $(filter %_steps.f90,$(SRC)))
 LOOPS := $(addprefix $(MADE)/,$(notdir $(REWRITTEN))) $(patsubst %,$(MADE)/gpu_%,$(notdir $(STEPS) $(MIRRORED))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
          $(if $(MODELS),$(MADE)/model_list.f90 $(MADE)/flow_list.f90)
@@ -101,7 +100,6 @@ $(foreach f,$(sort $(dir $(ITEMS))),$(eval $(MADE)/%_loops.f90 $(MADE)/%_kernels
 $(foreach f,$(FAMILIES),$(eval $(MADE)/$f_launches.f90 $(if $(filter $f,$(VARIED)),$(MADE)/$f_variants.CUF) &: \
     $(wildcard cuda/$f*.CUF) scripts/kernels.py scripts/items.py scripts/item_heads.py ; \
     @mkdir -p $(MADE) && scripts/kernels.py $f $(MADE) $(wildcard cuda/$f*.CUF)))
-$(foreach f,$(VARIANTS),$(eval $(MADE)/$(notdir $f): $f scripts/variants.py ; @mkdir -p $(MADE) && scripts/variants.py $$< $$@))
 $(foreach f,$(FOREIGN),$(eval $(MADE)/$(notdir $f): $f scripts/foreign.py ; @mkdir -p $(MADE) && scripts/foreign.py $$< $$@))
 $(foreach f,$(MIRRORED),$(eval $(MADE)/gpu_$(notdir $f): $f scripts/mirror.py scripts/item_heads.py ; @mkdir -p $(MADE) && scripts/mirror.py $$< $$@))
 # (steps are written anew where the head of an item changes, not where its body does)
@@ -179,7 +177,7 @@ $(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%
 .PHONY: gpu-tests test-gpu bench-gpu emulated
 
 # --- what users and CI call ---------------------------------------------------------------------
-FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90' '*.CUF')
+FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90' '*.inc' '*.CUF')
 # (verify is one thread nearly all the time: the other parts fill the second core beside it)
 QUICKLY_DONE := all unit verify+lint+emulated+python figures check-docs vectors warnings
 EVERYTHING := all unit verify+unit-mixed+lint+gpu-check+gpu+emulated+python figures check-docs vectors warnings

@@ -65,6 +65,15 @@ def test_only_what_depends_is_compiled(project):
     assert compiled(project, "OPT=-O0", "DEBUG=1") == {"first", "second", "third"}
 
 
+def test_what_includes_a_file_depends_on_it(project):
+    part = project / "src/base/part.inc"
+    part.write_text("continue\n")
+    (project / "src/base/first.f90").write_text(FIRST.format(n=1, body="include 'part.inc'"))
+    assert compiled(project) == {"first", "second", "third"}
+    part.write_text("continue; continue\n")
+    assert compiled(project) == {"first"}
+
+
 UNIT = """module test_third
  use funit
  use brz_third, only: b
