@@ -51,13 +51,11 @@ MODELS := $(wildcard src/materials/*.f90)
 CUDA := $(sort $(wildcard cuda/*.CUF))
 FAMILIES := $(sort $(foreach f,$(CUDA),$(firstword $(subst _, ,$(basename $(notdir $f))))))
 VARIED := $(foreach f,$(FAMILIES),$(if $(shell grep -lsE '^ *!@kernel [^*]+$$' cuda/$f*.CUF),$f))
-FOREIGN := $(shell grep -ls '^ *!@foreign' $(SRC))
 MIRRORED := $(shell grep -ls '^ *!@mirror' $(SRC))
-REWRITTEN := $(FOREIGN)
 STEPS := $(shell grep -ls 'scripts/steps.py' $(filter %_steps.f90,$(SRC)))
-LOOPS := $(addprefix $(MADE)/,$(notdir $(REWRITTEN))) $(patsubst %,$(MADE)/gpu_%,$(notdir $(STEPS) $(MIRRORED))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
+LOOPS := $(patsubst %,$(MADE)/gpu_%,$(notdir $(STEPS) $(MIRRORED))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
          $(if $(MODELS),$(MADE)/model_list.f90 $(MADE)/flow_list.f90)
-OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN) $(REWRITTEN),$(SRC)) $(LOOPS))) $(B)/obj/presets.o \
+OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)) $(LOOPS))) $(B)/obj/presets.o \
         $(if $(COVERAGE),$(B)/obj/tests/coverage.o)
 LIB  := $(B)/brisance.o
 # (apart, so that a commit is told without optimising all anew)
@@ -100,7 +98,6 @@ $(foreach f,$(sort $(dir $(ITEMS))),$(eval $(MADE)/%_loops.f90 $(MADE)/%_kernels
 $(foreach f,$(FAMILIES),$(eval $(MADE)/$f_launches.f90 $(if $(filter $f,$(VARIED)),$(MADE)/$f_variants.CUF) &: \
     $(wildcard cuda/$f*.CUF) scripts/kernels.py scripts/items.py scripts/item_heads.py ; \
     @mkdir -p $(MADE) && scripts/kernels.py $f $(MADE) $(wildcard cuda/$f*.CUF)))
-$(foreach f,$(FOREIGN),$(eval $(MADE)/$(notdir $f): $f scripts/foreign.py ; @mkdir -p $(MADE) && scripts/foreign.py $$< $$@))
 $(foreach f,$(MIRRORED),$(eval $(MADE)/gpu_$(notdir $f): $f scripts/mirror.py scripts/item_heads.py ; @mkdir -p $(MADE) && scripts/mirror.py $$< $$@))
 # (steps are written anew where the head of an item changes, not where its body does)
 $(MADE)/heads: $(ITEMS)
@@ -243,7 +240,7 @@ gpu-check: $(MADE)/model_list.f90 $(MADE)/flow_list.f90 ## compile all point phy
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC) $^
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
-SCANNED = $(filter-out $(REWRITTEN),$(SRC)) $(LOOPS) $(wildcard tests/gpu/bench_*.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
+SCANNED = $(SRC) $(LOOPS) $(wildcard tests/gpu/bench_*.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
           $(FLOORS) $(STUDY)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }
