@@ -26,7 +26,7 @@ WARN     := -Wall -Wextra -Wno-c-binding-type -Wno-compare-reals -Wno-maybe-unin
             -Werror=character-truncation
 FAST     := $(OPT) -march=$(ARCH) -flto=auto
 QUICKLY  := -O1 -fno-math-errno -fno-trapping-math -march=$(ARCH)
-CHECKED  := -Og -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow -fbacktrace
+CHECKED  := -O0 -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow -fbacktrace
 COUNTED  := -O1 -g --coverage -fprofile-abs-path -fprofile-update=atomic
 FFLAGS    = -std=f2018 -fopenmp $(if $(COVERAGE),$(COUNTED),$(if $(DEBUG),$(CHECKED),$(if $(QUICK),$(QUICKLY),$(FAST)))) $(WARN) \
             $(if $(filter mixed,$(PRECISION)),-DBRZ_MIXED) $(EXTRA_FFLAGS)
@@ -259,4 +259,4 @@ clean: ## remove everything that make has made, except .venv
 	rm -rf build bin out gpu
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z][a-z %:-]*:.*## / {sub(": %", "", $$1); printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo 'Variables: DEBUG=1 (checks), QUICK=1 (builds fast, runs slower), PORTABLE=1 (any x86-64-v2), PRECISION=mixed, OPT=..., BUILD=folder, V=1'
+	@echo 'Variables: DEBUG=1 (checks, for gdb), QUICK=1 (builds fast, runs slower), PORTABLE=1 (any x86-64-v2), PRECISION=mixed, OPT=..., BUILD=folder, V=1'
