@@ -138,7 +138,13 @@ $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(FLOORS:%.f90=$(B)/obj/%.o) $(LINK
 	$(call say,link $@)
 	$(Q)$(LINK) -o $@ $^ $(HDF5_LIBS)
 
-include studies.mk
+# Studies have a Makefile of their own, which includes this one.
+ifeq ($(filter studies/Makefile,$(MAKEFILE_LIST)),)
+STUDIES := $(shell sed -n 's/^\([a-z][a-z0-9-]*\):.*/\1/p' /dev/null $(wildcard studies/Makefile))
+.PHONY: $(STUDIES)
+$(STUDIES):
+	@$(MAKE) --no-print-directory -f studies/Makefile $@
+endif
 .PHONY: unit verify try python figures lint format check-docs gpu-check setup test test-all demo bench bench-ranks golden vectors warnings coverage planted install dist
 # The figures that tests measure go to NOTES and PYTHON_NOTES; a whole run begins them anew.
 NOTES := build/log/notes$(KIND).csv
@@ -222,7 +228,7 @@ python: all emulator ## tests of the Python tools and of the whole program (ARGS
 	    $(or $(ARGS),-n auto --dist loadfile)
 lint: ## format, linters, the rules of the house
 	@bad=0; $(PY) scripts/format.py --check $(FORMAT) || bad=1; \
-	.venv/bin/fortitude check -q --output-format concise src tests || bad=1; \
+	.venv/bin/fortitude check -q --output-format concise src tests studies || bad=1; \
 	.venv/bin/ruff check -q --output-format concise . || bad=1; \
 	.venv/bin/ruff format -q --check . || bad=1; \
 	$(PY) scripts/structure.py . || bad=1; exit $$bad
@@ -241,7 +247,7 @@ gpu-check: $(MADE)/model_list.f90 $(MADE)/flow_list.f90 ## compile all point phy
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
 SCANNED = $(SRC) $(LOOPS) $(wildcard tests/gpu/bench_*.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
-          $(FLOORS) $(STUDY)
+          $(FLOORS) $(wildcard studies/*.f90)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }
 	@{ $(FC) --version | head -n 1; echo '$(COMPILE)'; } | $(SAVE) $@
@@ -250,7 +256,7 @@ $(B)/sources: FORCE
 $(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
 	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5,funit,pfunit \
 	    $(SCANNED) > $@
-NO_BUILD := clean help setup test test-all demo try coverage planted dist unit-mixed figures warnings lint format gpu-check gpu emulator charts-scenes
+NO_BUILD := clean help setup test test-all demo try coverage planted dist unit-mixed figures warnings lint format gpu-check gpu emulator charts-scenes $(STUDIES)
 ifneq ($(filter-out $(NO_BUILD),$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif
@@ -259,4 +265,5 @@ clean: ## remove everything that make has made, except .venv
 	rm -rf build bin out gpu
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z][a-z %:-]*:.*## / {sub(": %", "", $$1); printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@$(if $(STUDIES),echo 'Studies (make -f studies/Makefile help): $(STUDIES)')
 	@echo 'Variables: DEBUG=1 (checks, for gdb), QUICK=1 (builds fast, runs slower), PORTABLE=1 (any x86-64-v2), PRECISION=mixed, OPT=..., BUILD=folder, V=1'

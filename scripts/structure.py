@@ -36,7 +36,7 @@ LAYERS += [{"cpu", "gpu"}, {"output"}, {"step"}, {"main"}]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 MAX_FILE, MAX_PROCEDURE, MAX_ARGUMENTS = 600, 80, 12
 MAX_CODE, MAX_PROSE = 100, 120
-PYTHON = ("scripts", "post", "tests", "comparisons")
+PYTHON = ("scripts", "post", "tests", "studies")
 OTHERS = ("Makefile", "*.mk", "*.sh", "*.c", "*.ll", "*.html", "*.js", "*.css")
 # vector code of the CPU, whose kernels are cut in another way; what a GPU alone has to be told
 ALONE = {"cpu": "air_activity air_lines air_riemann air_split air_sweep coupling_paper"}
@@ -228,7 +228,7 @@ def long_others(root):
 
 def main():
     root = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
-    files = [p for d in ("src", "tests", "cuda") for p in sorted((root / d).rglob("*"))]
+    files = [p for d in ("src", "tests", "studies", "cuda") for p in sorted((root / d).rglob("*"))]
     sources = [
         Source(p, root) for p in files if p.suffix in (".f90", ".F90", ".pf", ".CUF", ".inc")
     ]

@@ -34,8 +34,7 @@ def run(*command, cwd, **more):
 @pytest.fixture
 def project(tmp_path):
     """A copy of the build with three small modules."""
-    for name in ("Makefile", "studies.mk"):
-        shutil.copy(ROOT / name, tmp_path)
+    shutil.copy(ROOT / "Makefile", tmp_path)
     shutil.copytree(ROOT / "scripts", tmp_path / "scripts")
     shutil.copytree(ROOT / "tests/pfstub", tmp_path / "tests/pfstub")
     (tmp_path / "src/base").mkdir(parents=True)
