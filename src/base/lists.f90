@@ -27,68 +27,38 @@ contains
 
     subroutine integers_at_least(a, n)
         integer(int32), allocatable, intent(inout) :: a(:)
-        integer, intent(in) :: n
 
-        if (allocated(a)) then
-            if (size(a) >= n) return
-            deallocate (a)
-        end if
-        allocate (a(n + n/4))
+        include 'list_at_least.inc'
     end subroutine integers_at_least
 
     subroutine singles_at_least(a, n)
         real(real32), allocatable, intent(inout) :: a(:)
-        integer, intent(in) :: n
 
-        if (allocated(a)) then
-            if (size(a) >= n) return
-            deallocate (a)
-        end if
-        allocate (a(n + n/4))
+        include 'list_at_least.inc'
     end subroutine singles_at_least
 
     subroutine doubles_at_least(a, n)
         real(real64), allocatable, intent(inout) :: a(:)
-        integer, intent(in) :: n
 
-        if (allocated(a)) then
-            if (size(a) >= n) return
-            deallocate (a)
-        end if
-        allocate (a(n + n/4))
+        include 'list_at_least.inc'
     end subroutine doubles_at_least
 
     subroutine single_columns_at_least(a, rows, n)
         real(real32), allocatable, intent(inout) :: a(:, :)
-        integer, intent(in) :: rows, n
 
-        if (allocated(a)) then
-            if (size(a, 2) >= n) return
-            deallocate (a)
-        end if
-        allocate (a(rows, n + n/4))
+        include 'columns_at_least.inc'
     end subroutine single_columns_at_least
 
     subroutine double_columns_at_least(a, rows, n)
         real(real64), allocatable, intent(inout) :: a(:, :)
-        integer, intent(in) :: rows, n
 
-        if (allocated(a)) then
-            if (size(a, 2) >= n) return
-            deallocate (a)
-        end if
-        allocate (a(rows, n + n/4))
+        include 'columns_at_least.inc'
     end subroutine double_columns_at_least
 
     subroutine integer_columns_at_least(a, rows, n)
         integer(int32), allocatable, intent(inout) :: a(:, :)
-        integer, intent(in) :: rows, n
 
-        if (allocated(a)) then
-            if (size(a, 2) >= n) return
-            deallocate (a)
-        end if
-        allocate (a(rows, n + n/4))
+        include 'columns_at_least.inc'
     end subroutine integer_columns_at_least
 
     !> Entries that a list has room for.
