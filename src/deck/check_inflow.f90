@@ -7,7 +7,8 @@ module brz_check_inflow
     use brz_deck, only: complain, deck_t, may_be_misspelt, place
     use brz_errors, only: error_t, failed
     use brz_get, only: get, get_list, get_path, is_given
-    use brz_key, only: key_t, kind_text, required
+    use brz_key, only: key_t, required
+    use brz_key_rows, only: add_group, number, words
     use brz_kinds, only: dp
     use brz_text, only: to_text
     implicit none
@@ -25,38 +26,30 @@ contains
     !> Append the rows of &inflow.
     subroutine inflow_keys(keys)
         type(key_t), allocatable, intent(inout) :: keys(:)
-        character(*), parameter :: g = 'inflow'
         real(dp), parameter :: zero = 0
 
-        keys = [keys, &
-                key_t(group=g, meaning='Gas outside an open face of the air that comes in: a '// &
-                      'wave of a given overpressure, or a given state, steady or a history. '// &
-                      'Waves from inside leave through it.'), &
-                key_t(group=g, key='id', kind=kind_text, meaning='Name of the inflow.'), &
-                key_t(group=g, key='face', kind=kind_text, default=required, &
-                      choices='x-|x+|y-|y+|z-|z+', &
-                      meaning="Face of the box; bc of &air there is 'outflow'."), &
-                key_t(group=g, key='time', n_max=most_points, unit='s', &
-                      meaning='Times of the history, growing; straight lines between them. Not '// &
-                      'needed for what never changes.'), &
-                key_t(group=g, key='overpressure', n_max=most_points, unit='Pa', &
-                      meaning='Wave that runs from the face into the undisturbed air: its '// &
-                      'overpressure at these times, 0 before and after; shock relations and '// &
-                      'characteristics give the rest.'), &
-                key_t(group=g, key='density', n_max=most_points, unit='kg/m3', lower=zero, &
-                      open_lower=.true., &
-                      meaning='State: density at these times, or one; that of the undisturbed '// &
-                      'air if absent. Before the first time and after the last it stays.'), &
-                key_t(group=g, key='pressure', n_max=most_points, unit='Pa', lower=zero, &
-                      open_lower=.true., meaning='State: pressure, likewise.'), &
-                key_t(group=g, key='velocity', n_max=3*most_points, unit='m/s', &
-                      meaning='State: velocity at these times, or one, three numbers each.'), &
-                key_t(group=g, key='mach', n_max=most_points, &
-                      meaning='State, in place of velocity: speed into the box over the speed '// &
-                      'of sound of the gas that comes.'), &
-                key_t(group=g, key='table', kind=kind_text, longest=256, &
-                      meaning='History from a file of comma-separated numbers: columns time '// &
-                      'and overpressure; or time, density, pressure and velocity_x, ..., or mach.')]
+        call add_group(keys, 'inflow', 'Gas outside an open face of the air that comes in: a '// &
+            'wave of a given overpressure, or a given state, steady or a history. Waves from '// &
+            'inside leave through it.', [ &
+            words('id', 'Name of the inflow.'), &
+            words('face', "Face of the box; bc of &air there is 'outflow'.", default=required, &
+                choices='x-|x+|y-|y+|z-|z+'), &
+            number('time', 's', 'Times of the history, growing; straight lines between them. '// &
+                'Not needed for what never changes.', n_max=most_points), &
+            number('overpressure', 'Pa', 'Wave that runs from the face into the undisturbed '// &
+                'air: its overpressure at these times, 0 before and after; shock relations '// &
+                'and characteristics give the rest.', n_max=most_points), &
+            number('density', 'kg/m3', 'State: density at these times, or one; that of the '// &
+                'undisturbed air if absent. Before the first time and after the last it '// &
+                'stays.', above=zero, n_max=most_points), &
+            number('pressure', 'Pa', 'State: pressure, likewise.', above=zero, n_max=most_points), &
+            number('velocity', 'm/s', 'State: velocity at these times, or one, three numbers '// &
+                'each.', n_max=3*most_points), &
+            number('mach', '-', 'State, in place of velocity: speed into the box over the '// &
+                'speed of sound of the gas that comes.', n_max=most_points), &
+            words('table', 'History from a file of comma-separated numbers: columns time and '// &
+                'overpressure; or time, density, pressure and velocity_x, ..., or mach.', &
+                longest=256)])
     end subroutine inflow_keys
 
     !> Fill and check what comes in; the air must be there.

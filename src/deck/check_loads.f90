@@ -7,7 +7,8 @@ module brz_check_loads
     use brz_deck, only: add_warning, complain, deck_t, group_label, place
     use brz_errors, only: error_t, failed
     use brz_get, only: get, get_list, get_path, is_given, is_usable, need_file
-    use brz_key, only: key_t, kind_text, required
+    use brz_key, only: key_t, required
+    use brz_key_rows, only: add_group, number, words
     use brz_kinds, only: dp
     use brz_outlines, only: body_box
     use brz_text, only: to_text
@@ -24,50 +25,39 @@ contains
     !> Append the rows of &load.
     subroutine load_keys(keys)
         type(key_t), allocatable, intent(inout) :: keys(:)
-        character(*), parameter :: g = 'load'
         real(dp), parameter :: zero = 0
 
-        keys = [keys, &
-                key_t(group=g, meaning='A load on a body in a scene without air: a pressure on '// &
-                      'faces, which it follows as they deform (a history, or a blast by '// &
-                      'Kingery-Bulmash), or gravity or a force on all of it.'), &
-                key_t(group=g, key='id', kind=kind_text, meaning='Name of the load.'), &
-                key_t(group=g, key='body', kind=kind_text, default=required, &
-                      meaning='Id of the body that is loaded.'), &
-                key_t(group=g, key='faces', kind=kind_text, n_max=6, &
-                      choices='x-|x+|y-|y+|z-|z+|inside|outside', &
-                      meaning='pressure, mass: faces of it, seen along an axis: the outermost '// &
-                      "particles there; with lattice='layered' inside (pressure) or outside of "// &
-                      'the wall.'), &
-                key_t(group=g, key='patch', kind=kind_text, longest=256, &
-                      meaning='faces: only what lies under this surface is loaded, an STL file '// &
-                      'that may be open, seen along the axis of the face, within two spacings.'), &
-                key_t(group=g, key='time', n_max=most_points, unit='s', &
-                      meaning='Times of the history, growing; straight lines between them, 0 '// &
-                      'before and after. Not needed for one constant pressure.'), &
-                key_t(group=g, key='pressure', n_max=most_points, unit='Pa', &
-                      likely=[10.0_dp, 1e12_dp], &
-                      meaning='Overpressure at these times; positive pushes on the face.'), &
-                key_t(group=g, key='table', kind=kind_text, longest=256, &
-                      meaning='History from a file of comma-separated numbers, in place of '// &
-                      'time and pressure or scale: columns time and pressure, or scale.'), &
-                key_t(group=g, key='mass', unit='kg', lower=zero, open_lower=.true., &
-                      meaning='Charge of TNT that detonates, in place of a history.'), &
-                key_t(group=g, key='burst', kind=kind_text, choices='air|surface', &
-                      default='air', meaning='mass: a sphere in free air, or a hemisphere on '// &
-                      'the ground, which reflects the blast: its own mass counts, once.'), &
-                key_t(group=g, key='at', n_min=3, n_max=3, unit='m', &
-                      meaning='mass: centre of the charge.'), &
-                key_t(group=g, key='detonation_time', unit='s', default='0.0', &
-                      meaning='mass: when it detonates. Negative: the run begins while the '// &
-                      'wave is on its way, so that gauges and dumps are of what matters.'), &
-                key_t(group=g, key='acceleration', n_min=3, n_max=3, unit='m/s2', &
-                      meaning='Of all particles of the body, as by gravity.'), &
-                key_t(group=g, key='force', n_min=3, n_max=3, unit='N', &
-                      meaning='On the part of the body that is modelled, spread by mass.'), &
-                key_t(group=g, key='scale', n_max=most_points, &
-                      meaning='acceleration, force: factors at these times; if absent 1 for '// &
-                      'ever.')]
+        call add_group(keys, 'load', 'A load on a body in a scene without air: a pressure on '// &
+            'faces, which it follows as they deform (a history, or a blast by '// &
+            'Kingery-Bulmash), or gravity or a force on all of it.', [ &
+            words('id', 'Name of the load.'), &
+            words('body', 'Id of the body that is loaded.', default=required), &
+            words('faces', 'pressure, mass: faces of it, seen along an axis: the outermost '// &
+                "particles there; with lattice='layered' inside (pressure) or outside of the "// &
+                'wall.', choices='x-|x+|y-|y+|z-|z+|inside|outside', n_max=6), &
+            words('patch', 'faces: only what lies under this surface is loaded, an STL file '// &
+                'that may be open, seen along the axis of the face, within two spacings.', &
+                longest=256), &
+            number('time', 's', 'Times of the history, growing; straight lines between them, '// &
+                '0 before and after. Not needed for one constant pressure.', n_max=most_points), &
+            number('pressure', 'Pa', 'Overpressure at these times; positive pushes on the face.', &
+                likely=[10.0_dp, 1e12_dp], n_max=most_points), &
+            words('table', 'History from a file of comma-separated numbers, in place of time '// &
+                'and pressure or scale: columns time and pressure, or scale.', longest=256), &
+            number('mass', 'kg', 'Charge of TNT that detonates, in place of a history.', &
+                above=zero), &
+            words('burst', 'mass: a sphere in free air, or a hemisphere on the ground, which '// &
+                'reflects the blast: its own mass counts, once.', default='air', &
+                choices='air|surface'), &
+            number('at', 'm', 'mass: centre of the charge.', n=3), &
+            number('detonation_time', 's', 'mass: when it detonates. Negative: the run begins '// &
+                'while the wave is on its way, so that gauges and dumps are of what matters.', &
+                default='0.0'), &
+            number('acceleration', 'm/s2', 'Of all particles of the body, as by gravity.', n=3), &
+            number('force', 'N', 'On the part of the body that is modelled, spread by mass.', &
+                n=3), &
+            number('scale', '-', 'acceleration, force: factors at these times; if absent 1 '// &
+                'for ever.', n_max=most_points)])
     end subroutine load_keys
 
     !> Fill and check the loads of a case; its bodies must be there.

@@ -5,7 +5,8 @@ module brz_check_motions
     use brz_check_bodies, only: miss_body, moves_across, warn_cut
     use brz_deck, only: complain, deck_t, place
     use brz_get, only: get, get_boxes, get_list, is_usable
-    use brz_key, only: key_t, kind_text, required
+    use brz_key, only: key_t, required
+    use brz_key_rows, only: add_group, number, words
     use brz_kinds, only: dp
     use brz_text, only: to_text
     implicit none
@@ -17,27 +18,21 @@ contains
     !> Append the rows of &motion.
     subroutine motion_keys(keys)
         type(key_t), allocatable, intent(inout) :: keys(:)
-        character(*), parameter :: g = 'motion'
 
-        keys = [keys, &
-                key_t(group=g, meaning='A velocity that is prescribed for regions of a body, '// &
-                      'along all axes or some; a body may have many, and scenes without air.'), &
-                key_t(group=g, key='id', kind=kind_text, default=required, &
-                      meaning='Name of the motion, for gauges of its force.'), &
-                key_t(group=g, key='body', kind=kind_text, default=required, &
-                      meaning='Id of the body.'), &
-                key_t(group=g, key='box', n_min=6, n_max=48, unit='m', default=required, &
-                      meaning='Regions whose particles, where they are at the start, are '// &
-                      'moved: x0, x1, y0, y1, z0, z1 of each, up to eight.'), &
-                key_t(group=g, key='axes', kind=kind_text, n_max=3, choices='x|y|z', &
-                      meaning='Axes along which they are moved; along the others they are '// &
-                      'free. All if absent.'), &
-                key_t(group=g, key='time', n_max=max_motion, unit='s', &
-                      meaning='Times of the velocity, growing; straight lines between them, '// &
-                      'constant before and after. Not needed for one that never changes.'), &
-                key_t(group=g, key='velocity', n_min=3, n_max=3*max_motion, unit='m/s', &
-                      default=required, meaning='Velocity at these times, or one, three '// &
-                      'numbers each; 0 along axes that are free.')]
+        call add_group(keys, 'motion', 'A velocity that is prescribed for regions of a body, '// &
+            'along all axes or some; a body may have many, and scenes without air.', [ &
+            words('id', 'Name of the motion, for gauges of its force.', default=required), &
+            words('body', 'Id of the body.', default=required), &
+            number('box', 'm', 'Regions whose particles, where they are at the start, are '// &
+                'moved: x0, x1, y0, y1, z0, z1 of each, up to eight.', default=required, n_min=6, &
+                n_max=48), &
+            words('axes', 'Axes along which they are moved; along the others they are free. '// &
+                'All if absent.', choices='x|y|z', n_max=3), &
+            number('time', 's', 'Times of the velocity, growing; straight lines between them, '// &
+                'constant before and after. Not needed for one that never changes.', &
+                n_max=max_motion), &
+            number('velocity', 'm/s', 'Velocity at these times, or one, three numbers each; 0 '// &
+                'along axes that are free.', default=required, n_min=3, n_max=3*max_motion)])
     end subroutine motion_keys
 
     !> Fill and check the motions of a case; its bodies must be there.
