@@ -26,7 +26,7 @@ WARN     := -Wall -Wextra -Wno-c-binding-type -Wno-compare-reals -Wno-maybe-unin
             -Werror=character-truncation
 FAST     := $(OPT) -march=$(ARCH) -flto=auto
 QUICKLY  := -O1 -fno-math-errno -fno-trapping-math -march=$(ARCH)
-CHECKED  := -Og -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow -fbacktrace
+CHECKED  := -O0 -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow -fbacktrace
 COUNTED  := -O1 -g --coverage -fprofile-abs-path -fprofile-update=atomic
 FFLAGS    = -std=f2018 -fopenmp $(if $(COVERAGE),$(COUNTED),$(if $(DEBUG),$(CHECKED),$(if $(QUICK),$(QUICKLY),$(FAST)))) $(WARN) \
             $(if $(filter mixed,$(PRECISION)),-DBRZ_MIXED) $(EXTRA_FFLAGS)
@@ -51,12 +51,9 @@ MODELS := $(wildcard src/materials/*.f90)
 CUDA := $(sort $(wildcard cuda/*.CUF))
 FAMILIES := $(sort $(foreach f,$(CUDA),$(firstword $(subst _, ,$(basename $(notdir $f))))))
 VARIED := $(foreach f,$(FAMILIES),$(if $(shell grep -lsE '^ *!@kernel [^*]+$$' cuda/$f*.CUF),$f))
-VARIANTS := $(shell grep -ls '^ *!@variant' $(SRC))
-FOREIGN := $(shell grep -ls '^ *!@foreign' $(SRC))
-REWRITTEN := $(VARIANTS) $(FOREIGN)
-LOOPS := $(addprefix $(MADE)/,$(notdir $(REWRITTEN))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
+LOOPS := $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
          $(if $(MODELS),$(MADE)/model_list.f90 $(MADE)/flow_list.f90)
-OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN) $(REWRITTEN),$(SRC)) $(LOOPS))) $(B)/obj/presets.o \
+OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)) $(LOOPS))) $(B)/obj/presets.o \
         $(if $(COVERAGE),$(B)/obj/tests/coverage.o)
 LIB  := $(B)/brisance.o
 # (apart, so that a commit is told without optimising all anew)
@@ -99,8 +96,6 @@ $(foreach f,$(sort $(dir $(ITEMS))),$(eval $(MADE)/%_loops.f90 $(MADE)/%_kernels
 $(foreach f,$(FAMILIES),$(eval $(MADE)/$f_launches.f90 $(if $(filter $f,$(VARIED)),$(MADE)/$f_variants.CUF) &: \
     $(wildcard cuda/$f*.CUF) scripts/loops.py scripts/item_heads.py ; \
     @mkdir -p $(MADE) && scripts/loops.py $(MADE) $f $(wildcard cuda/$f*.CUF)))
-$(foreach f,$(VARIANTS),$(eval $(MADE)/$(notdir $f): $f scripts/variants.py ; @mkdir -p $(MADE) && scripts/variants.py $$< $$@))
-$(foreach f,$(FOREIGN),$(eval $(MADE)/$(notdir $f): $f scripts/foreign.py ; @mkdir -p $(MADE) && scripts/foreign.py $$< $$@))
 $(MADE)/model_list.f90 $(MADE)/flow_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py
 	@mkdir -p $(MADE) && scripts/models.py $(MADE) $(MODELS)
 $(B)/obj/%.o: %.f90 $(B)/command
@@ -135,7 +130,13 @@ $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(FLOORS:%.f90=$(B)/obj/%.o) $(LINK
 	$(call say,link $@)
 	$(Q)$(LINK) -o $@ $^ $(HDF5_LIBS)
 
-include studies.mk
+# Studies have a Makefile of their own, which includes this one.
+ifeq ($(filter studies/Makefile,$(MAKEFILE_LIST)),)
+STUDIES := $(shell sed -n 's/^\([a-z][a-z0-9-]*\):.*/\1/p' /dev/null $(wildcard studies/Makefile))
+.PHONY: $(STUDIES)
+$(STUDIES):
+	@$(MAKE) --no-print-directory -f studies/Makefile $@
+endif
 .PHONY: unit verify try python figures lint format check-docs gpu-check setup test test-all demo bench bench-ranks golden vectors warnings coverage planted install dist
 # The figures that tests measure go to NOTES and PYTHON_NOTES; a whole run begins them anew.
 NOTES := build/log/notes$(KIND).csv
@@ -171,7 +172,7 @@ $(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%
 .PHONY: gpu-tests test-gpu bench-gpu emulated
 
 # --- what users and CI call ---------------------------------------------------------------------
-FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90' '*.CUF')
+FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90' '*.inc' '*.CUF')
 # (verify is one thread nearly all the time: the other parts fill the second core beside it)
 QUICKLY_DONE := all unit verify+lint+emulated+python figures check-docs vectors warnings
 EVERYTHING := all unit verify+unit-mixed+lint+gpu-check+gpu+emulated+python figures check-docs vectors warnings
@@ -219,7 +220,7 @@ python: all emulator ## tests of the Python tools and of the whole program (ARGS
 	    $(or $(ARGS),-n auto --dist loadfile)
 lint: ## format, linters, the rules of the house
 	@bad=0; $(PY) scripts/format.py --check $(FORMAT) || bad=1; \
-	.venv/bin/fortitude check -q --output-format concise src tests || bad=1; \
+	.venv/bin/fortitude check -q --output-format concise src tests studies || bad=1; \
 	.venv/bin/ruff check -q --output-format concise . || bad=1; \
 	.venv/bin/ruff format -q --check . || bad=1; \
 	$(PY) scripts/structure.py . || bad=1; exit $$bad
@@ -237,8 +238,8 @@ gpu-check: $(MADE)/model_list.f90 $(MADE)/flow_list.f90 ## compile all point phy
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC) $^
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
-SCANNED = $(filter-out $(REWRITTEN),$(SRC)) $(LOOPS) $(wildcard tests/gpu/bench_*.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
-          $(FLOORS) $(STUDY)
+SCANNED = $(SRC) $(LOOPS) $(wildcard tests/gpu/bench_*.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
+          $(FLOORS) $(wildcard studies/*.f90)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }
 	@{ $(FC) --version | head -n 1; echo '$(COMPILE)'; } | $(SAVE) $@
@@ -247,7 +248,7 @@ $(B)/sources: FORCE
 $(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
 	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5,funit,pfunit \
 	    $(SCANNED) > $@
-NO_BUILD := clean help setup test test-all demo try coverage planted dist unit-mixed figures warnings lint format gpu-check gpu emulator charts-scenes
+NO_BUILD := clean help setup test test-all demo try coverage planted dist unit-mixed figures warnings lint format gpu-check gpu emulator charts-scenes $(STUDIES)
 ifneq ($(filter-out $(NO_BUILD),$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif
@@ -256,4 +257,5 @@ clean: ## remove everything that make has made, except .venv
 	rm -rf build bin out gpu
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z][a-z %:-]*:.*## / {sub(": %", "", $$1); printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo 'Variables: DEBUG=1 (checks), QUICK=1 (builds fast, runs slower), PORTABLE=1 (any x86-64-v2), PRECISION=mixed, OPT=..., BUILD=folder, V=1'
+	@$(if $(STUDIES),echo 'Studies (make -f studies/Makefile help): $(STUDIES)')
+	@echo 'Variables: DEBUG=1 (checks, for gdb), QUICK=1 (builds fast, runs slower), PORTABLE=1 (any x86-64-v2), PRECISION=mixed, OPT=..., BUILD=folder, V=1'

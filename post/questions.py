@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What the paper leaves open, by runs that differ in one thing: `python -m post questions`.
 
-The questions stand in inputs/paper/questions.toml, `scripts/paper.py questions` runs them.
+The questions stand in inputs/paper/questions.toml, `studies/paper.py questions` runs them.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ INTRODUCTION = (
     "The paper does not say how its slabs were held, reinforced and glued, nor how its charge was "
     "started. Each table is of runs that differ in that one thing: quarters of the scene; energies "
     "are of the whole. Answers are written by hand from the tables, all else by `python -m post "
-    "questions`. The runs stand in inputs/paper/questions.toml: `scripts/paper.py questions`, or "
+    "questions`. The runs stand in inputs/paper/questions.toml: `studies/paper.py questions`, or "
     "`questions-fine` on a GPU."
 )
 

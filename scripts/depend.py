@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Write the make rules that follow from `use`, `module` and `submodule` in Fortran sources.
+"""Write the make rules that follow from `use`, `module`, `submodule` and `include` in Fortran.
 
 usage: depend.py --objects DIR --modules DIR [--external NAME,...] SOURCE... > depend.mk
 
 The object of a/b.f90 is DIR/a/b.o. An object depends on the module files that it uses. A module
 file depends on its object through an empty recipe, so make looks at the module file again after
 the compilation: gfortran leaves it alone when the interface did not change, and then the users
-of the module are not compiled again.
+of the module are not compiled again. An included file lies beside the one that includes it.
 """
 
 import argparse
@@ -21,6 +21,7 @@ USE = re.compile(
 MODULE = re.compile(
     r"^\s*module\s+(?!(?:procedure|subroutine|function)\b)([a-z]\w*)\s*(?:!.*)?$", re.I
 )
+INCLUDE = re.compile(r"^\s*include '([^']+)'", re.I | re.M)
 SUBMODULE = re.compile(r"^\s*submodule\s*\(\s*(\w+)(?:\s*:\s*(\w+))?\s*\)\s*(\w+)", re.I)
 INTRINSIC = {"iso_c_binding", "iso_fortran_env", "ieee_arithmetic", "ieee_exceptions"}
 INTRINSIC |= {"ieee_features", "omp_lib"}
@@ -41,6 +42,12 @@ def scan(path):
             if name not in INTRINSIC and (found["nature"] or "").lower() != "intrinsic":
                 needs.setdefault(name + ".mod", number)
     return makes, needs
+
+
+def included(path):
+    """Files that a source includes."""
+    found = INCLUDE.findall(path.read_text(encoding="utf-8"))
+    return sorted({path.with_name(name).as_posix() for name in found})
 
 
 def main():
@@ -65,7 +72,7 @@ def main():
 
     rules = []
     for path, needs in needs_of.items():
-        inside = []
+        inside = included(path)
         for name, number in needs.items():
             if name in external or owner.get(name) == path:
                 continue

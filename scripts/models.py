@@ -4,11 +4,14 @@
 
 usage: models.py OUTDIR FILE...    (model_list.f90, flow_list.f90, model_kernels.CUF)
 
-A model is a file NAME.f90 with `integer, parameter :: NAME = CODE !! code of the model`,
-`describe_NAME`, `update_NAME`, and `model%n_hist = ...` where it has a history: a number, or names
-of constants of the file or of those beside it that it uses. A metal of von Mises has `flow_NAME` in
-place of `update_NAME`, its flow stress, and `heat_NAME` where that takes something else than the
-temperature: src/materials/metal.f90.
+A model is a file NAME.f90 with the line
+
+    integer, parameter :: NAME = CODE, NAME_history = SLOTS !! code of the model
+
+(SLOTS: most history variables; without a history CODE alone), `describe_NAME`, and `update_NAME`. A
+metal of von Mises has `flow_NAME` in place of `update_NAME`, its flow stress, and
+`heat_NAME` where that takes something else than the temperature: src/materials/metal.f90. Lines
+that are written for a model have a mark of that line of its file.
 """
 
 import re
@@ -16,14 +19,12 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
-CODE = re.compile(r"^ *integer, parameter :: (\w+) = (\d+) !! code of the model", re.M)
-CONSTANTS = re.compile(r"^ *integer, parameter(?:, public)? :: ((?:[^!\n]|& *\n)+)", re.M)
+from item_heads import at_line, line_at
 
-
-def constants(text):
-    """{name: value} of the integers that a file names."""
-    lines = (re.sub(r"& *\n", " ", line) for line in CONSTANTS.findall(text))
-    return dict(x for line in lines for x in re.findall(r"(\w+) *= *([\w+* -]+)", line))
+HEAD = re.compile(
+    r"^ *integer, parameter :: (\w+) = (\d+)(?:, \1_history = (\d+))? !! code of the model", re.M
+)
+RESUME = "# here"  # the lines that follow are of the file that is written
 
 
 class Model(NamedTuple):
@@ -33,49 +34,42 @@ class Model(NamedTuple):
     slots: int  # most history variables
     flow: str  # arguments of the flow stress of a metal, "" of others
     heat: bool  # has a heat_NAME
+    path: Path
+    line: int  # of its code
 
     def warm(self):
         """Whether it is a metal that feels heat."""
-        return bool(self.flow) and self.slots > 1
+        return bool(self.flow) and "heat" in re.findall(r"\w+", self.flow)
+
+    def lines(self, *lines):
+        """Lines that are written for it."""
+        return [*at_line(lines, self.line, self.path), RESUME]
 
 
 def model_of(path):
     """The model of a file, or None."""
     text = path.read_text(encoding="utf-8")
-    if not (found := CODE.search(text)):
+    if not (found := HEAD.search(text)):
         return None
     name = found[1]
-    update, flow = (
-        re.search(rf"^ *pure subroutine {what}_{name}\(([^)]*)\)", text, re.M)
-        for what in ("update", "flow")
-    )
-    if not update and not flow:
+    heads = dict(re.findall(rf"^ *pure \w+ (\w+)_{name}\(([^)]*)\)", text, re.M))
+    update, flow = heads.get("update"), heads.get("flow", "")
+    if update is None and not flow:
         sys.exit(f"{path}: no 'pure subroutine update_{name}' nor flow_{name}")
-    known = {}
-    for used in re.findall(r"^ *use brz_(\w+)", text, re.M):
-        if (beside := path.with_name(f"{used}.f90")).exists():
-            known |= constants(beside.read_text(encoding="utf-8"))
-    known |= constants(text)
-    slots = re.search(r"^ *model%n_hist = (.*)$", text, re.M)
-    slots = slots[1].split("!")[0] if slots else "0"
-    while names := re.findall(r"[a-z]\w*", slots):
-        if names[0] not in known:
-            sys.exit(f"{path}: {names[0]} of model%n_hist is no constant that is known")
-        slots = re.sub(rf"\b{names[0]}\b", f"({known[names[0]]})", slots)
-    slots = eval(slots)  # numbers and + - * alone are left
-    heat = bool(re.search(rf"^ *pure function heat_{name}\(", text, re.M))
+    if "model%n_hist" in text and not found[3]:
+        sys.exit(f"{path}: a model with a history says how long: {name}_history = ...")
     if flow:
         update = f"{name}, material, dt, l, point, status"
-    return Model(int(found[2]), name, update if flow else update[1], slots, flow and flow[1], heat)
+    line = line_at(text, found.start())
+    return Model(int(found[2]), name, update, int(found[3] or 0), flow, "heat" in heads, path, line)
 
 
 def listed(models):
     """The module that names, describes and dispatches them."""
-    lines = [
-        f"    use brz_{m.name}, only: {m.name}, describe_{m.name}"
-        + ("" if m.flow else f", update_{m.name}")
-        for m in models
-    ]
+    lines = []
+    for m in models:
+        update = "" if m.flow else f", update_{m.name}"
+        lines += m.lines(f"    use brz_{m.name}, only: {m.name}, describe_{m.name}{update}")
     lines += ["    use brz_metal, only: update_metal"] if any(m.flow for m in models) else []
     lines += [
         "    use brz_kinds, only: rk",
@@ -93,7 +87,8 @@ def listed(models):
         "",
         f"        allocate (models({len(models)}))",
     ]
-    lines += [f"        call describe_{m.name}(models({k}))" for k, m in enumerate(models, 1)]
+    for k, m in enumerate(models, 1):
+        lines += m.lines(f"        call describe_{m.name}(models({k}))")
     lines += [
         "    end subroutine list_models",
         "",
@@ -109,8 +104,8 @@ def listed(models):
         "        select case (model)",
     ]
     for m in models:
-        lines += [f"        case ({m.name})"]
-        lines += [f"            call update_{'metal' if m.flow else m.name}({m.update})"]
+        call = f"            call update_{'metal' if m.flow else m.name}({m.update})"
+        lines += m.lines(f"        case ({m.name})", call)
     lines += [
         "        case default; status = material_unknown",
         "        end select",
@@ -127,19 +122,18 @@ def listed(models):
         "        select case (model)",
     ]
     for m in models:
-        lines += [f"        case ({m.name})", f"            name = 'update_by_{m.name}'"]
-        lines += [f"            slots = {m.slots}"]
+        given = [f"            name = 'update_by_{m.name}'", f"            slots = {m.slots}"]
+        lines += m.lines(f"        case ({m.name})", *given)
     lines += ["        end select", "    end subroutine find_kernel_of"]
     return lines
 
 
 def flows(metals):
     """The module that dispatches the flow stresses of the metals, for brz_metal."""
-    lines = [
-        f"    use brz_{m.name}, only: {m.name}, flow_{m.name}"
-        + (f", heat_{m.name}" if m.heat else "")
-        for m in metals
-    ]
+    lines = []
+    for m in metals:
+        heat = f", heat_{m.name}" if m.heat else ""
+        lines += m.lines(f"    use brz_{m.name}, only: {m.name}, flow_{m.name}{heat}")
     lines += [
         "    use brz_kinds, only: rk",
         "    use brz_material, only: n_par",
@@ -159,7 +153,7 @@ def flows(metals):
         "        select case (model)",
     ]
     for m in metals:
-        lines += [f"        case ({m.name})", f"            call flow_{m.name}({m.flow})"]
+        lines += m.lines(f"        case ({m.name})", f"            call flow_{m.name}({m.flow})")
     lines += [
         "        case default",
         "            y = 0",
@@ -180,7 +174,7 @@ def flows(metals):
     for m in metals:
         value = f"heat_{m.name}(par, hot)" if m.heat else "temperature"
         if m.warm():
-            lines += [f"        case ({m.name})", f"            heat = {value}"]
+            lines += m.lines(f"        case ({m.name})", f"            heat = {value}")
     warm = " .or. ".join(f"model == {m.name}" for m in metals if m.warm()) or ".false."
     lines += [
         "        case default",
@@ -240,8 +234,12 @@ def kernels(models):
 def write(path, lines):
     head = ["! SPDX-License-Identifier: MIT", "!> Written by scripts/models.py from src/materials."]
     module = f"brz_{path.stem}"
-    text = "\n".join([*head, f"module {module}", *lines, f"end module {module}"]) + "\n"
-    path.write_text(text, encoding="utf-8")
+    lines = [*head, f"module {module}", *lines, f"end module {module}"]
+    after = [*lines[1:], ""]
+    pairs = zip(lines, after, strict=True)
+    lines = [x for x, y in pairs if x != RESUME or not y.startswith("# ")]
+    lines = [f'# {n + 1} "{path}"' if x == RESUME else x for n, x in enumerate(lines, 1)]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def main():

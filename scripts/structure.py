@@ -9,9 +9,9 @@ Layers: base < parallel < deck < materials < {air, solid} < coupling < {cpu, gpu
 ROOMS: within its folder a file uses only its own room and what is to the left. Point physics (files
 with `!@cuf`) uses only base, plain data and other point physics; a material model may describe
 itself to the deck as well. Sizes: files 600 lines, procedures 80, lines of kernels (cuda/*.CUF) 100
-columns (fortitude sees to those of the rest), arguments 12, which kernels, items and what these
-call in their file (`*_items.f90`, below a `!@cuf` line), and procedures in a file with `!@variant`
-may exceed: they take arrays.
+columns (fortitude sees to those of the rest) and of what is included (*.inc), arguments 12, which
+kernels, items and what these call in their file (`*_items.f90`, below a `!@cuf` line) may exceed:
+they take arrays.
 Twins have one name: what src/cpu does in x.f90, src/gpu does in gpu_x.f90 or cuda in x.CUF,
 and a file gpu_x.f90 is the twin of an x.f90; ALONE names what one backend has alone. Also: the
 licence line, the module name, `use` with `only`; no name of a type stands for two. Files and
@@ -46,7 +46,7 @@ ROOMS = {
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 MAX_FILE, MAX_PROCEDURE, MAX_ARGUMENTS = 600, 80, 12
 MAX_CODE, MAX_PROSE = 100, 120
-PYTHON = ("scripts", "post", "tests", "comparisons")
+PYTHON = ("scripts", "post", "tests", "studies")
 OTHERS = ("Makefile", "*.mk", "*.sh", "*.c", "*.ll", "*.html", "*.js", "*.css")
 # vector code of the CPU, whose kernels are cut in another way; what a GPU alone has to be told
 ALONE = {"cpu": "air_activity air_lines air_riemann air_split air_sweep coupling_paper"}
@@ -90,7 +90,7 @@ class Source:
         text = path.read_text(encoding="utf-8")
         self.lines = text.splitlines()
         self.items = set()
-        if path.suffix == ".CUF" or re.search(r"^ *!@variant", text, re.M):
+        if path.suffix == ".CUF":
             self.items |= set(re.findall(r"\b(?:subroutine|function) (\w+)", text))
         if path.stem.endswith("_items"):
             self.items |= set(re.findall(r"!@cuf.*\n +pure (?:subroutine|function) (\w+)", text))
@@ -120,7 +120,7 @@ class Source:
             self.fault(1, f"the first line must be '! {LICENCE}'")
         if len(self.lines) > MAX_FILE:
             self.fault(1, f"{len(self.lines)} lines; at most {MAX_FILE}")
-        if self.path.suffix == ".CUF":
+        if self.path.suffix in (".CUF", ".inc"):
             for number, line in enumerate(self.lines, 1):
                 if len(line) > MAX_CODE:
                     self.fault(number, f"{len(line)} columns; at most {MAX_CODE}")
@@ -147,7 +147,8 @@ class Source:
 
     def check_layers(self, owner):
         stem = self.path.stem.lower()
-        if self.layer != "main" and self.modules != [f"brz_{stem}"]:
+        whole = self.layer != "main" and self.path.suffix != ".inc"
+        if whole and self.modules != [f"brz_{stem}"]:
             self.fault(1, f"the file must hold module brz_{stem} alone")
         if self.layer not in RANK:
             self.fault(1, f"src/{self.layer} is no layer")
@@ -262,8 +263,10 @@ def long_others(root):
 
 def main():
     root = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
-    files = [p for d in ("src", "tests", "cuda") for p in sorted((root / d).rglob("*"))]
-    sources = [Source(p, root) for p in files if p.suffix in (".f90", ".F90", ".pf", ".CUF")]
+    files = [p for d in ("src", "tests", "studies", "cuda") for p in sorted((root / d).rglob("*"))]
+    sources = [
+        Source(p, root) for p in files if p.suffix in (".f90", ".F90", ".pf", ".CUF", ".inc")
+    ]
     owner = {m: s for s in sources if s.in_src for m in s.modules}
     for source in sources:
         source.check_sizes()

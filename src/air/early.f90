@@ -3,10 +3,12 @@
 module brz_early
     use brz_air_state, only: air_t
     use brz_air_totals, only: gas_sums
+    use brz_errors, only: error_t, exit_numerical, raise
     use brz_kinds, only: dp
+    use brz_text, only: to_text
     implicit none
     private
-    public :: early_t, watch_blast, next_due, keep_row, grid_totals, along_arm
+    public :: early_t, watch_blast, next_due, keep_row, grid_totals, along_arm, lose_blast
 
     type :: early_t
         logical :: present = .false.
@@ -46,6 +48,16 @@ contains
         next_due = time
         if (every > spacing(time)) next_due = (aint(time/every) + 1)*every
     end function next_due
+
+    !> A step of the blast failed.
+    subroutine lose_blast(where, time, err)
+        character(*), intent(in) :: where !! 'one dimension', 'two dimensions'
+        real(dp), intent(in) :: time !! [s]
+        type(error_t), intent(inout) :: err
+
+        call raise(err, exit_numerical, 'the blast in '//where//' is lost at t = '// &
+                   to_text(time)//' s')
+    end subroutine lose_blast
 
     !> Keep what the gauges of the air see.
     subroutine keep_row(early, time, seen)

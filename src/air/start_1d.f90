@@ -11,8 +11,9 @@ module brz_start_1d
     use brz_blast_start, only: centred_input, free_radius
     use brz_case, only: case_t, label
     use brz_charge_shape, only: make_shape, charge_shape_t
-    use brz_early, only: along_arm, early_t, grid_totals, keep_row, next_due, watch_blast
-    use brz_errors, only: error_t, exit_deck, exit_numerical, failed, raise
+    use brz_early, only: along_arm, early_t, grid_totals, keep_row, lose_blast, next_due, &
+                         watch_blast
+    use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp
     use brz_text, only: to_text
     implicit none
@@ -123,8 +124,7 @@ contains
             call advance_blast1d(blast, case%run%t_end - blast%time, ok)
             if (ok .and. present(watch)) call watch(1, blast%time, blast%r(blast%front), limit)
             if (ok) cycle
-            call raise(err, exit_numerical, 'the blast in one dimension is lost at t = '// &
-                to_text(blast%time)//' s')
+            call lose_blast('one dimension', blast%time, err)
             return
         end do
         early%time = blast%time

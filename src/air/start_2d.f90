@@ -11,7 +11,7 @@ module brz_start_2d
         w_energy, w_p
     use brz_axial_step, only: advance_axial
     use brz_case, only: case_t, label
-    use brz_early, only: early_t, grid_totals, keep_row, next_due, watch_blast
+    use brz_early, only: early_t, grid_totals, keep_row, lose_blast, next_due, watch_blast
     use brz_errors, only: error_t, exit_deck, exit_numerical, failed, raise
     use brz_kinds, only: dp
     use brz_text, only: to_text
@@ -112,8 +112,7 @@ contains
         do
             call advance_axial(blast, case%run%t_end - blast%time, ok)
             if (.not. ok) then
-                call raise(err, exit_numerical, 'the blast in two dimensions is lost at t = '// &
-                    to_text(blast%time)//' s')
+                call lose_blast('two dimensions', blast%time, err)
                 return
             end if
             gap = free_gap(blast, obstacles) - near

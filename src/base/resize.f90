@@ -17,99 +17,50 @@ contains
 
     pure subroutine resize_doubles(a, n)
         real(real64), allocatable, intent(inout) :: a(:, :)
-        integer, intent(in) :: n
         real(real64), allocatable :: b(:, :)
-        integer :: m
 
-        if (size(a, 2) == 0 .or. size(a, 2) == n) return
-        m = min(size(a, 2), n)
-        allocate (b(size(a, 1), n))
-        b(:, :m) = a(:, :m)
-        b(:, m + 1:) = 0
-        call move_alloc(b, a)
+        include 'resize_columns.inc'
     end subroutine resize_doubles
 
     pure subroutine resize_singles(a, n)
         real(real32), allocatable, intent(inout) :: a(:, :)
-        integer, intent(in) :: n
         real(real32), allocatable :: b(:, :)
-        integer :: m
 
-        if (size(a, 2) == 0 .or. size(a, 2) == n) return
-        m = min(size(a, 2), n)
-        allocate (b(size(a, 1), n))
-        b(:, :m) = a(:, :m)
-        b(:, m + 1:) = 0
-        call move_alloc(b, a)
+        include 'resize_columns.inc'
     end subroutine resize_singles
 
     pure subroutine resize_double(a, n)
         real(real64), allocatable, intent(inout) :: a(:)
-        integer, intent(in) :: n
         real(real64), allocatable :: b(:)
-        integer :: m
 
-        if (size(a) == 0 .or. size(a) == n) return
-        m = min(size(a), n)
-        allocate (b(n))
-        b(:m) = a(:m)
-        b(m + 1:) = 0
-        call move_alloc(b, a)
+        include 'resize_list.inc'
     end subroutine resize_double
 
     pure subroutine resize_single(a, n)
         real(real32), allocatable, intent(inout) :: a(:)
-        integer, intent(in) :: n
         real(real32), allocatable :: b(:)
-        integer :: m
 
-        if (size(a) == 0 .or. size(a) == n) return
-        m = min(size(a), n)
-        allocate (b(n))
-        b(:m) = a(:m)
-        b(m + 1:) = 0
-        call move_alloc(b, a)
+        include 'resize_list.inc'
     end subroutine resize_single
 
     pure subroutine resize_integer(a, n)
         integer(int32), allocatable, intent(inout) :: a(:)
-        integer, intent(in) :: n
         integer(int32), allocatable :: b(:)
-        integer :: m
 
-        if (size(a) == 0 .or. size(a) == n) return
-        m = min(size(a), n)
-        allocate (b(n))
-        b(:m) = a(:m)
-        b(m + 1:) = 0
-        call move_alloc(b, a)
+        include 'resize_list.inc'
     end subroutine resize_integer
 
     pure subroutine resize_short(a, n)
         integer(int16), allocatable, intent(inout) :: a(:)
-        integer, intent(in) :: n
         integer(int16), allocatable :: b(:)
-        integer :: m
 
-        if (size(a) == 0 .or. size(a) == n) return
-        m = min(size(a), n)
-        allocate (b(n))
-        b(:m) = a(:m)
-        b(m + 1:) = 0
-        call move_alloc(b, a)
+        include 'resize_list.inc'
     end subroutine resize_short
 
     pure subroutine resize_byte(a, n)
         integer(int8), allocatable, intent(inout) :: a(:)
-        integer, intent(in) :: n
         integer(int8), allocatable :: b(:)
-        integer :: m
 
-        if (size(a) == 0 .or. size(a) == n) return
-        m = min(size(a), n)
-        allocate (b(n))
-        b(:m) = a(:m)
-        b(m + 1:) = 0
-        call move_alloc(b, a)
+        include 'resize_list.inc'
     end subroutine resize_byte
 end module brz_resize

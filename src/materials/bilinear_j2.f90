@@ -9,14 +9,14 @@ module brz_bilinear_j2
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
     use brz_material, only: material_t, n_par
-    use brz_metal_keys, only: amount, cold_history, derive_metal, describe_metal, m_young
+    use brz_metal_keys, only: amount, derive_metal, describe_metal, m_young
     use brz_model, only: model_t, real_key
     use brz_rate_factor, only: apply_rate_factor
     implicit none
     private
     public :: bilinear_j2, describe_bilinear_j2, flow_bilinear_j2
 
-    integer, parameter :: bilinear_j2 = 5 !! code of the model
+    integer, parameter :: bilinear_j2 = 5, bilinear_j2_history = 1 !! code of the model
     integer, parameter :: p_yield = 1, p_tangent = 2, p_rate = 3, p_exponent = 4
     integer, parameter :: p_hardening = 5, p_power = 6 !! derived
 
@@ -27,7 +27,7 @@ contains
 
         model%code = bilinear_j2
         model%name = 'bilinear_j2'
-        model%n_hist = cold_history
+        model%n_hist = bilinear_j2_history
         call describe_metal(model, [ &
             amount('yield_stress', 'Pa', required, 'yield stress at rest', 1e5_dp, 1e10_dp, &
                    positive=.true.), &

@@ -8,14 +8,14 @@ module brz_cowper_symonds
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
     use brz_material, only: material_t, n_par
-    use brz_metal_keys, only: amount, cold_history, derive_metal, describe_metal, m_young
+    use brz_metal_keys, only: amount, derive_metal, describe_metal, m_young
     use brz_model, only: model_t, real_key
     use brz_rate_factor, only: apply_rate_factor
     implicit none
     private
     public :: cowper_symonds, describe_cowper_symonds, flow_cowper_symonds
 
-    integer, parameter :: cowper_symonds = 12 !! code of the model
+    integer, parameter :: cowper_symonds = 12, cowper_symonds_history = 1 !! code of the model
     integer, parameter :: p_yield = 1, p_tangent = 2, p_ultimate = 3, p_d = 4, p_q = 5
     integer, parameter :: p_hardening = 6, p_power = 7 !! derived
 
@@ -26,7 +26,7 @@ contains
 
         model%code = cowper_symonds
         model%name = 'cowper_symonds'
-        model%n_hist = cold_history
+        model%n_hist = cowper_symonds_history
         call describe_metal(model, [ &
             amount('yield_stress', 'Pa', required, 'yield stress at rest', 1e6_dp, 1e10_dp, &
                    positive=.true.), &

@@ -18,7 +18,7 @@ module brz_drucker_prager
     private
     public :: drucker_prager, describe_drucker_prager, update_drucker_prager
 
-    integer, parameter :: drucker_prager = 11 !! code of the model
+    integer, parameter :: drucker_prager = 11, drucker_prager_history = 1 !! code of the model
     character(*), parameter :: name = 'drucker_prager'
     integer, parameter :: p_density = 1, p_young = 2, p_poisson = 3, p_cohesion = 4, p_angle = 5, &
                           p_strength = 6, p_tension = 7, n_keys = 7
@@ -50,7 +50,7 @@ contains
         model%keys(p_tension) = usual(real_key(name, 'tension_limit', 'Pa', '0', &
             'mean tension that it bears; at most where its strength vanishes', 0.0_dp), &
             1.0_dp, 1e9_dp)
-        model%n_hist = 1
+        model%n_hist = drucker_prager_history
         model%history(h_strain) = 'plastic_strain'
         model%derive => derive
         model%report => report

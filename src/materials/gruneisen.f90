@@ -18,7 +18,7 @@ module brz_gruneisen
     private
     public :: gruneisen, describe_gruneisen, update_gruneisen
 
-    integer, parameter :: gruneisen = 2 !! code of the model
+    integer, parameter :: gruneisen = 2, gruneisen_history = 1 !! code of the model
     character(*), parameter :: name = 'gruneisen'
     integer, parameter :: p_density = 1, p_eos = 2, p_cutoff = 8, p_shear = 9, p_yield = 10
     integer, parameter :: p_block = 11 !! first of the block of the equation of state
@@ -42,7 +42,7 @@ contains
             0.0_dp), 1e4_dp, 1e12_dp)
         model%keys(p_yield) = usual(real_key(name, 'yield_stress', 'Pa', '0', &
             'constant yield stress of von Mises; 0: a fluid', 0.0_dp), 1e3_dp, 1e11_dp)
-        model%n_hist = 1
+        model%n_hist = gruneisen_history
         model%history(h_strain) = 'plastic_strain'
         model%derive => derive
     end subroutine describe_gruneisen

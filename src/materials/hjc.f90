@@ -33,7 +33,7 @@ module brz_hjc
     private
     public :: hjc, describe_hjc, update_hjc
 
-    integer, parameter :: hjc = 9 !! code of the model
+    integer, parameter :: hjc = 9, hjc_history = 7 !! code of the model
     character(*), parameter :: name = 'hjc'
     integer, parameter :: erosion_tension = 2, erosion_strain = 3
     real(rk), parameter :: usual_dilatancy = 0.5_rk !! of surface='malvar'
@@ -47,7 +47,7 @@ contains
         model%class = class_crumbling
         model%name = name
         call hjc_keys(name, model%keys)
-        model%n_hist = h_grown
+        model%n_hist = hjc_history
         model%history(h_plastic) = 'plastic_strain'
         model%history(h_mu_max) = 'mu_max'
         model%history(h_eroded) = 'eroded'

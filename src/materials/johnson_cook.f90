@@ -8,13 +8,13 @@ module brz_johnson_cook
     use brz_key, only: required
     use brz_kinds, only: dp, rk
     use brz_material, only: material_t, n_par
-    use brz_metal_keys, only: amount, derive_metal, describe_metal, m_rate0, warm_history
+    use brz_metal_keys, only: amount, derive_metal, describe_metal, m_rate0
     use brz_model, only: model_t
     implicit none
     private
     public :: johnson_cook, describe_johnson_cook, heat_johnson_cook, flow_johnson_cook
 
-    integer, parameter :: johnson_cook = 6 !! code of the model
+    integer, parameter :: johnson_cook = 6, johnson_cook_history = 3 !! code of the model
     integer, parameter :: p_a = 1, p_b = 2, p_n = 3, p_c = 4, p_m = 5
 
 contains
@@ -24,7 +24,7 @@ contains
 
         model%code = johnson_cook
         model%name = 'johnson_cook'
-        model%n_hist = warm_history
+        model%n_hist = johnson_cook_history
         call describe_metal(model, [ &
             amount('a', 'Pa', required, 'yield stress', 1e6_dp, 1e10_dp, positive=.true.), &
             amount('b', 'Pa', required, 'hardening', 1e5_dp, 1e10_dp), &

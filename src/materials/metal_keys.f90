@@ -26,9 +26,9 @@ module brz_metal_keys
     integer, parameter, public :: m_fails = m_cutoff + 1, m_block = m_cutoff + 2 !! derived
     integer, parameter, public :: by_energy = 2, by_total_rate = 2 !! places of words of options
     integer, parameter, public :: fails_by_strain = 1, fails_by_johnson_cook = 2 !! in m_fails
-    ! history, and how much of it a metal has that feels no heat, and one that does
+    ! history: the first alone without heat, and how much of it a metal has that feels heat
     integer, parameter, public :: h_strain = 1, h_temperature = 2, h_isentrope = 3
-    integer, parameter, public :: cold_history = 1, warm_history = 3
+    integer, parameter :: warm_history = 3
 
 contains
 

@@ -29,7 +29,7 @@ module brz_orthotropic_ply
     private
     public :: orthotropic_ply, describe_orthotropic_ply, update_orthotropic_ply, ply_axes
 
-    integer, parameter :: orthotropic_ply = 3 !! code of the model
+    integer, parameter :: orthotropic_ply = 3, orthotropic_ply_history = 14 !! code of the model
     character(*), parameter :: name = 'orthotropic_ply'
     integer, parameter :: pressure_anderson = 2
     ! history: last slot before the axes, the strain, the damage
@@ -46,7 +46,7 @@ contains
         model%class = class_elastic
         model%name = name
         call ply_keys(name, model%keys)
-        model%n_hist = h_damage + n_modes
+        model%n_hist = orthotropic_ply_history
         model%history(h_damage + fibre_tension) = 'damage_fibre_tension'
         model%history(h_damage + fibre_compression) = 'damage_fibre_compression'
         model%history(h_damage + matrix_cracking) = 'damage_matrix_cracking'

@@ -9,14 +9,13 @@ module brz_zerilli_armstrong
     use brz_kinds, only: dp, rk
     use brz_key, only: required
     use brz_material, only: material_t, n_par
-    use brz_metal_keys, only: amount, derive_metal, describe_metal, m_rate0, m_room, m_start, &
-        warm_history
+    use brz_metal_keys, only: amount, derive_metal, describe_metal, m_rate0, m_room, m_start
     use brz_model, only: model_t
     implicit none
     private
     public :: zerilli_armstrong, describe_zerilli_armstrong, flow_zerilli_armstrong
 
-    integer, parameter :: zerilli_armstrong = 13 !! code of the model
+    integer, parameter :: zerilli_armstrong = 13, zerilli_armstrong_history = 3 !! code of the model
     integer, parameter :: p_c0 = 1, p_c1 = 2, p_c2 = 3, p_c3 = 4, p_c4 = 5, p_c5 = 6, p_n = 7
 
 contains
@@ -27,7 +26,7 @@ contains
 
         model%code = zerilli_armstrong
         model%name = 'zerilli_armstrong'
-        model%n_hist = warm_history
+        model%n_hist = zerilli_armstrong_history
         call describe_metal(model, [ &
             amount('c0', 'Pa', required, 'athermal, of solutes and grains', low, high), &
             amount('c1', 'Pa', '0', 'thermal, without strain (body-centred)', low, high), &

@@ -22,65 +22,29 @@ module brz_carry
 contains
 
     subroutine carry_real64(file, name, a, err)
-        type(h5_t), intent(in) :: file
-        character(*), intent(in) :: name
         real(real64), intent(inout), target, contiguous :: a(..)
-        type(error_t), intent(inout) :: err
         real(real64), pointer :: values(:)
 
-        if (file%writing) then
-            call h5_write(file, name, a, err)
-            return
-        end if
-        call h5_read(file, name, a, err)
-        if (failed(err) .or. size(a) == 0) return
-        call c_f_pointer(c_loc(a), values, [size(a, kind=int64)])
-        if (.not. all(ieee_is_finite(values))) call raise(err, exit_io, file%path//": '"// &
-            name//"' holds what is no number")
+        include 'carry_reals.inc'
     end subroutine carry_real64
 
     subroutine carry_real32(file, name, a, err)
-        type(h5_t), intent(in) :: file
-        character(*), intent(in) :: name
         real(real32), intent(inout), target, contiguous :: a(..)
-        type(error_t), intent(inout) :: err
         real(real32), pointer :: values(:)
 
-        if (file%writing) then
-            call h5_write(file, name, a, err)
-            return
-        end if
-        call h5_read(file, name, a, err)
-        if (failed(err) .or. size(a) == 0) return
-        call c_f_pointer(c_loc(a), values, [size(a, kind=int64)])
-        if (.not. all(ieee_is_finite(values))) call raise(err, exit_io, file%path//": '"// &
-            name//"' holds what is no number")
+        include 'carry_reals.inc'
     end subroutine carry_real32
 
     subroutine carry_int64(file, name, a, err)
-        type(h5_t), intent(in) :: file
-        character(*), intent(in) :: name
         integer(int64), intent(inout), contiguous :: a(..)
-        type(error_t), intent(inout) :: err
 
-        if (file%writing) then
-            call h5_write(file, name, a, err)
-        else
-            call h5_read(file, name, a, err)
-        end if
+        include 'carry_integers.inc'
     end subroutine carry_int64
 
     subroutine carry_int32(file, name, a, err)
-        type(h5_t), intent(in) :: file
-        character(*), intent(in) :: name
         integer(int32), intent(inout), contiguous :: a(..)
-        type(error_t), intent(inout) :: err
 
-        if (file%writing) then
-            call h5_write(file, name, a, err)
-        else
-            call h5_read(file, name, a, err)
-        end if
+        include 'carry_integers.inc'
     end subroutine carry_int32
 
     !> As int32 in the file.
@@ -97,16 +61,9 @@ contains
     end subroutine carry_int16
 
     subroutine carry_int8(file, name, a, err)
-        type(h5_t), intent(in) :: file
-        character(*), intent(in) :: name
         integer(int8), intent(inout), contiguous :: a(..)
-        type(error_t), intent(inout) :: err
 
-        if (file%writing) then
-            call h5_write(file, name, a, err)
-        else
-            call h5_read(file, name, a, err)
-        end if
+        include 'carry_integers.inc'
     end subroutine carry_int8
 
     subroutine carry_logical(file, name, a, err)

@@ -77,6 +77,7 @@ contains
         real(dp), pointer, contiguous :: glue(:, :) !! [N]
 
         glue => no_glue
+        if (solid%on_gpu) glue => solid%x ! it has a copy
         if (solid%cohesive%present) glue => solid%cohesive%push
     end function glue_of
 

@@ -8,23 +8,17 @@ module brz_run_axial
     use brz_axial_state, only: axial_input_t, axial_t, axial_totals, start_axial, v_energy, &
                                v_products, v_rho
     use brz_axial_step, only: advance_axial
+    use brz_blast_output, only: blast_output_t, close_output, close_rows, open_output, &
+                                refuse_restart, stop_if_asked, write_row
     use brz_case, only: case_t
     use brz_check_ground, only: burst_text
-    use brz_clock, only: clock_t, start_clock, tick
+    use brz_clock, only: tick
     use brz_command_line, only: options_t
-    use brz_errors, only: error_t, exit_deck, exit_numerical, exit_stopped, failed, raise
-    use brz_gauge_summary, only: gauge_summary
-    use brz_gauges, only: early_gauge_row, gauge_names, gauges_t, set_up_gauges
-    use brz_history, only: append_row, close_history, history_t, open_history
+    use brz_early, only: lose_blast
+    use brz_errors, only: error_t, failed
     use brz_kinds, only: dp
     use brz_meta, only: describe_run, meta_t
-    use brz_run_radial, only: open_folder
-    use brz_screen, only: say
     use brz_series, only: add_to_series, open_series, series_t
-    use brz_signals, only: stop_asked
-    use brz_solid_state, only: solid_t
-    use brz_text, only: to_text
-    use brz_timer, only: wall_seconds
     implicit none
     private
     public :: run_axial
@@ -39,107 +33,77 @@ contains
         type(axial_input_t) :: input
         type(axial_t) :: blast
         type(frame_t) :: frame
-        character(:), allocatable :: folder, text
-        real(dp) :: before(5), begin
+        type(blast_output_t) :: out
+        real(dp) :: before(5)
 
-        if (options%restart /= '') then
-            call raise(err, exit_deck, 'a run in the plane of an axis takes minutes at most '// &
-                       'and leaves no checkpoint; run it again without --restart')
-            return
-        end if
+        out%kind = 'in the plane of an axis'
+        call refuse_restart(options, out, 'minutes at most', err)
+        if (failed(err)) return
         frame = make_frame(case)
         call axial_input(case, frame, input, err)
         if (failed(err)) return
         call start_axial(input, blast)
         call print_plane(case, blast)
         if (options%check) return
-        call open_folder(options, case, folder, err)
+        call open_output(options, case, out, err)
         if (failed(err)) return
-        begin = wall_seconds()
         before = axial_totals(blast)
-        call follow(case, folder, frame, blast, text, err)
+        call follow(case, frame, blast, out, err)
         if (failed(err)) return
-        call print_end(blast, before, begin)
-        write (output_unit, '(/, a)') text
-        call say('results        '//folder)
+        call print_end(blast, before)
+        call close_output(out, err)
     end subroutine run_axial
 
     !> Step to the end of the run and write what is due.
-    subroutine follow(case, folder, frame, blast, text, err)
+    subroutine follow(case, frame, blast, out, err)
         type(case_t), intent(in) :: case
-        character(*), intent(in) :: folder
         type(frame_t), intent(in) :: frame
         type(axial_t), intent(inout) :: blast
-        character(:), allocatable, intent(out) :: text !! summary of the gauges
+        type(blast_output_t), intent(inout) :: out
         type(error_t), intent(inout) :: err
-        type(error_t) :: closing
-        character(:), allocatable :: why
-        type(clock_t) :: clock
-        type(gauges_t) :: gauges
-        type(history_t) :: history
         type(series_t) :: series
-        type(solid_t) :: solid
-        character(64), allocatable :: names(:)
-        real(dp), allocatable :: row(:), seen(:, :)
         logical :: ok, last
         integer :: g
 
-        call start_clock(case, clock)
-        call set_up_gauges(case, solid, gauges, err)
-        call gauge_names(gauges, names)
-        if (failed(err)) return
-        allocate (row(gauges%n + 1), seen(5, gauges%n))
-        call open_history(history, folder//'/gauges.csv', names, err)
-        call open_series(series, folder, 'air', err)
+        call open_series(series, out%folder, 'air', err)
         do
             last = blast%time >= case%run%t_end .or. blast%cycle >= case%run%max_steps
             if (blast%cycle > 0) then ! its states are there after the first step
-                if (tick(clock%history, blast%time) .or. last) then
-                    row(1) = blast%time
-                    do g = 1, gauges%n
-                        seen(:, g) = axial_at(blast, frame, gauges%list(g)%at)
+                if (tick(out%clock%history, blast%time) .or. last) then
+                    do g = 1, out%gauges%n
+                        out%seen(:, g) = axial_at(blast, frame, out%gauges%list(g)%at)
                     end do
-                    call early_gauge_row(gauges, seen, solid, row)
-                    call append_row(history, row, err)
+                    call write_row(out, blast%time, err)
                 end if
-                if (tick(clock%dump, blast%time) .or. last) &
-                    call write_dump(case, folder, frame, blast, clock, series, err)
+                if (tick(out%clock%dump, blast%time) .or. last) &
+                    call write_dump(case, frame, blast, out, series, err)
             end if
+            if (.not. last .and. .not. failed(err)) call stop_if_asked(out, blast%time, err)
             if (last .or. failed(err)) exit
-            if (stop_asked(why)) then
-                call raise(err, exit_stopped, 'stopped by '//why//' at t = '// &
-                           to_text(blast%time)//' s; a run in the plane of an axis leaves no '// &
-                           'checkpoint: run it again with --replace')
-                exit
-            end if
             call advance_axial(blast, min(case%run%t_end - blast%time, case%run%dt_max), ok)
-            if (.not. ok) call raise(err, exit_numerical, 'the blast in two dimensions is lost '// &
-                                     'at t = '//to_text(blast%time)//' s')
+            if (.not. ok) call lose_blast('two dimensions', blast%time, err)
         end do
-        call close_history(history, closing) ! the rows up to a failure are the ones that tell
-        if (.not. failed(err)) err = closing
-        if (.not. failed(err)) call gauge_summary(gauges, folder//'/gauges.csv', text, err)
+        call close_rows(out, err)
     end subroutine follow
 
     !> The plane as it is, and its name in the series.
-    subroutine write_dump(case, folder, frame, blast, clock, series, err)
+    subroutine write_dump(case, frame, blast, out, series, err)
         type(case_t), intent(in) :: case
-        character(*), intent(in) :: folder
         type(frame_t), intent(in) :: frame
         type(axial_t), intent(in) :: blast
-        type(clock_t), intent(inout) :: clock
+        type(blast_output_t), intent(inout) :: out
         type(series_t), intent(inout) :: series
         type(error_t), intent(inout) :: err
         type(meta_t) :: meta
         character(18) :: name
 
-        clock%time = blast%time
-        clock%cycle = blast%cycle
-        call describe_run(case, clock, meta)
-        write (name, '(a, i5.5, a)') 'air_', clock%dump_number, '.vtkhdf'
-        call write_axial_dump(folder//'/'//trim(name), blast, frame, meta, err)
+        out%clock%time = blast%time
+        out%clock%cycle = blast%cycle
+        call describe_run(case, out%clock, meta)
+        write (name, '(a, i5.5, a)') 'air_', out%clock%dump_number, '.vtkhdf'
+        call write_axial_dump(out%folder//'/'//trim(name), blast, frame, meta, err)
         call add_to_series(series, trim(name), blast%time, err)
-        clock%dump_number = clock%dump_number + 1
+        out%clock%dump_number = out%clock%dump_number + 1
     end subroutine write_dump
 
     !> The charge and the cells of the plane.
@@ -177,11 +141,10 @@ contains
         shortfall = lost/(n + lost)
     end function shortfall
 
-    !> Steps, balances, cost.
-    subroutine print_end(blast, before, begin)
+    !> Steps, balances.
+    subroutine print_end(blast, before)
         type(axial_t), intent(in) :: blast
         real(dp), intent(in) :: before(5) !! totals at the start, less the air's
-        real(dp), intent(in) :: begin !! wall clock at the start [s]
         real(dp) :: change(5)
 
         change = (axial_totals(blast) - before)/max(abs(before), tiny(before))
@@ -190,6 +153,5 @@ contains
         write (output_unit, '(a, es10.2)') 'energy error   ', change(v_energy)
         write (output_unit, '(a, es10.2)') 'mass error     ', change(v_rho)
         write (output_unit, '(a, es10.2)') 'products error ', change(v_products)
-        write (output_unit, '(a, f0.1, a)') 'wall clock     ', wall_seconds() - begin, ' s'
     end subroutine print_end
 end module brz_run_axial

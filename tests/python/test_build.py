@@ -34,8 +34,7 @@ def run(*command, cwd, **more):
 @pytest.fixture
 def project(tmp_path):
     """A copy of the build with three small modules."""
-    for name in ("Makefile", "studies.mk"):
-        shutil.copy(ROOT / name, tmp_path)
+    shutil.copy(ROOT / "Makefile", tmp_path)
     shutil.copytree(ROOT / "scripts", tmp_path / "scripts")
     shutil.copytree(ROOT / "tests/pfstub", tmp_path / "tests/pfstub")
     (tmp_path / "src/base").mkdir(parents=True)
@@ -63,6 +62,15 @@ def test_only_what_depends_is_compiled(project):
     assert compiled(project) == set()
     assert compiled(project, "OPT=-O0") == {"first", "second", "third"}
     assert compiled(project, "OPT=-O0", "DEBUG=1") == {"first", "second", "third"}
+
+
+def test_what_includes_a_file_depends_on_it(project):
+    part = project / "src/base/part.inc"
+    part.write_text("continue\n")
+    (project / "src/base/first.f90").write_text(FIRST.format(n=1, body="include 'part.inc'"))
+    assert compiled(project) == {"first", "second", "third"}
+    part.write_text("continue; continue\n")
+    assert compiled(project) == {"first"}
 
 
 UNIT = """module test_third

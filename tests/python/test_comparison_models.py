@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 HOME = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(HOME), str(HOME / "scripts")]
+sys.path[:0] = [str(HOME), str(HOME / "studies")]
 
 import slab_models  # noqa: E402
 
-from comparisons import bricks, cylinder, foam, strip, tube  # noqa: E402
-from comparisons.air_load import case as air_load  # noqa: E402
-from comparisons.panel_load import case as panel_load  # noqa: E402
 from post.deck import Deck, as_list  # noqa: E402
+from studies.comparisons import bricks, cylinder, foam, strip, tube  # noqa: E402
+from studies.comparisons.air_load import case as air_load  # noqa: E402
+from studies.comparisons.panel_load import case as panel_load  # noqa: E402
 
 
 @pytest.mark.parametrize("cell", [5.6e-3, 2.8e-3])
@@ -134,7 +134,7 @@ def test_the_impulse_is_that_of_the_positive_phase():
 
 
 def test_the_slab_has_particles_of_every_size():
-    """What scripts/slab_models.py makes of the paper's deck, whatever else that says of bodies."""
+    """What studies/slab_models.py makes of the paper's deck, whatever else that says of bodies."""
     for size, layers in slab_models.LAYERS.items():
         deck = Deck(slab_models.deck(slab_models.BY_CURVES, None, size))
         found = {b["material"]: as_list(b["spacing"])[0] for b in deck.groups("body")}

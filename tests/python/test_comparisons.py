@@ -13,7 +13,8 @@ import pytest
 HOME = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(HOME))
 
-from comparisons import (  # noqa: E402
+from post.blast import free_air  # noqa: E402
+from studies.comparisons import (  # noqa: E402
     bricks,
     compare,
     kingery,
@@ -23,9 +24,8 @@ from comparisons import (  # noqa: E402
     progress,
     tables,
 )
-from comparisons.case import CASES, Quantity, Run, load_case, load_cases  # noqa: E402
-from comparisons.records import Record, read_histories, read_records, thinned  # noqa: E402
-from post.blast import free_air  # noqa: E402
+from studies.comparisons.case import CASES, Quantity, Run, load_case, load_cases  # noqa: E402
+from studies.comparisons.records import Record, read_histories, read_records, thinned  # noqa: E402
 
 BRISANCE = HOME / "bin" / "brisance"
 

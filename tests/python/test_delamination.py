@@ -44,7 +44,7 @@ def swing(folder, plies, size, end, delamination):
 
 
 # omega a^2/h sqrt(rho/E1) of clamped strips by elasticity in plane strain, of so many columns of
-# particles in half of the side: scripts/plate_reference.py SIDE, where fibres at 0 lie along
+# particles in half of the side: studies/plate_reference.py SIDE, where fibres at 0 lie along
 ELASTIC = {
     "90/0/0/90": (20.5, 3.5497),
     "0/90/90/0": (20.5, 2.2615),

@@ -14,7 +14,7 @@ FOLDERS = {path.name for path in ROOT.iterdir() if path.is_dir()}
 TARGETS = set(
     re.findall(
         r"^([a-z][\w -]*?) *:(?!=)",
-        (ROOT / "Makefile").read_text() + (ROOT / "studies.mk").read_text(),
+        (ROOT / "Makefile").read_text() + (ROOT / "studies/Makefile").read_text(),
         re.MULTILINE,
     )
 )
@@ -45,7 +45,7 @@ def is_there(path):
 
 def is_a_source(name):
     """True for the name of a file in any folder of sources."""
-    folders = ("src", "cuda", "post", "scripts", "tests", "comparisons")
+    folders = ("src", "cuda", "post", "scripts", "tests", "studies")
     return any(is_there(f"{folder}/**/{name}") for folder in folders)
 
 
@@ -86,7 +86,7 @@ def names_in(text):
 def known_names():
     """Words of all sources, and names of their files."""
     known = set()
-    for folder in ("src", "cuda", "post", "scripts", "tests", "comparisons"):
+    for folder in ("src", "cuda", "post", "scripts", "tests", "studies"):
         for path in (ROOT / folder).rglob("*"):
             if path.suffix.lower() in (".f90", ".cuf", ".pf", ".py", ".sh", ".c", ".ll"):
                 if path.name != Path(__file__).name:

@@ -11,10 +11,9 @@ from fortls.langserver import LangServer
 
 ROOT = Path(__file__).parents[2]
 CALL = re.compile(r"^ *(?:if \([^!]*\) )?call (\w+)\(")  # (not behind what looks like a comment)
-# intrinsic procedures, C, HDF5 and OpenMP; what scripts/foreign.py writes beside its caller
+# intrinsic procedures, C, HDF5 and OpenMP
 ELSEWHERE = re.compile(
     r"move_alloc|get_command_argument|get_environment_variable|system_clock|c_f_\w+|h5\w+_f|omp_\w+"
-    r"|find_functions"
 )
 
 

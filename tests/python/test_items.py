@@ -39,8 +39,10 @@ contains
         integer, intent(in) :: i !! numbers
         real(rk), intent(in) :: x(*)
         integer(int32), intent(inout) :: y(*)
+        real(rk) :: side
 
-        y(i) = nint(x(i)**2)
+        side = x(i)
+        y(i) = nint(side**2)
     end subroutine square
 
     !> What threads may look for together.
@@ -172,13 +174,13 @@ def twig(tmp_path_factory):
     return folder
 
 
-def built(folder, launch):
+def built(folder, launch, *flags):
     """The result of the compiler for a program that launches so."""
     (folder / "user.f90").write_text(USER.format(launch=launch))
     base = [ROOT / "src" / x for x in ("base/kinds.F90", "base/tallies.f90", "gpu/buffers.f90")]
     stubs = [folder / "stubs.f90", ROOT / "src/parallel/exact_sum.f90"]
     made = [folder / f"{x}.f90" for x in ("twig_items", "twig_loops", "twig_launches")]
-    command = ["gfortran", "-cpp", "-fopenmp", "-g", "-O0", "-J", folder, *base, *stubs, *made]
+    command = ["gfortran", "-cpp", "-fopenmp", *flags, "-J", folder, *base, *stubs, *made]
     command += [folder / "user.f90"]
     command += ["-o", folder / "user"]
     return subprocess.run(command, capture_output=True, text=True, check=False)
@@ -196,16 +198,19 @@ def test_loops_do_all_items_and_sum(twig):
 
 @pytest.mark.skipif(not shutil.which("gdb"), reason="there is no gdb")
 def test_gdb_stops_at_items_and_shows_their_loops_there(twig):
-    done = built(twig, "call kernels%square(20, x, y, err)")
+    flags = re.search(r"^CHECKED *:= (.*)", (ROOT / "Makefile").read_text(), re.M)[1]
+    done = built(twig, "call kernels%square(20, x, y, err)", *flags.split())  # as DEBUG=1 builds
     assert done.returncode == 0, done.stderr
-    line = 1 + ITEMS[: ITEMS.index("y(i) = nint(")].count("\n")
-    steps = [f"break twig_items.f90:{line}", "run", "print i", "bt 2", "finish", "info source"]
+    line = 1 + ITEMS[: ITEMS.index("end subroutine square")].count("\n")
+    steps = [f"break twig_items.f90:{line}", "set env OMP_NUM_THREADS=1", "run"]
+    steps += ["info locals", "bt 2", "finish"]
     command = ["gdb", "-batch", "-nx", *(x for one in steps for x in ("-ex", one)), twig / "user"]
     said = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False).stdout
     if "ptrace: Operation not permitted" in said:
         pytest.skip("processes may not be traced here")
     head = 1 + ITEMS[: ITEMS.index("pure subroutine square")].count("\n")
     assert re.search(rf"#0 .*square .* at \S*twig_items.f90:{line}", said), said
+    assert "\nside = 1\n" in said, said
     assert re.search(rf"#1 .*each_square.* at \S*twig_items.f90:{head}", said), said
 
 

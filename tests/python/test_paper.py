@@ -13,7 +13,7 @@ import pytest
 from tiers import slow
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
+sys.path.insert(0, str(ROOT / "studies"))
 import paper  # noqa: E402
 
 BRISANCE = Path(os.environ.get("BRISANCE", ROOT / "bin" / "brisance"))
@@ -73,7 +73,7 @@ def test_every_size_that_is_told_exists():
 
 def test_campaign_goes_on_where_it_stopped(tmp_path):
     """Stopped by a file, then the same command again; a third time nothing is to do."""
-    command = [sys.executable, ROOT / "scripts" / "paper.py", "tiny", "slab_1"]
+    command = [sys.executable, ROOT / "studies" / "paper.py", "tiny", "slab_1"]
     command += ["--out", tmp_path, "--brisance", BRISANCE, "--backend", "cpu"]
     folder = tmp_path / "tiny"
     (case,) = paper.cases("tiny", ["slab_1"])

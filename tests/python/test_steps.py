@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Steps that stand once, and variants of a loop: what the scripts write."""
+"""Steps that stand once: what the script writes from them."""
 
 import re
 import subprocess
@@ -66,24 +66,6 @@ contains
     end subroutine let_blow
 end module brz_gust_steps
 """
-LOOP = """\
-! SPDX-License-Identifier: MIT
-    !> Add.
-    !@variant sum_one: one
-    !@variant sum_two: two
-    subroutine sum_all(kind, x)
-        integer, intent(in) :: kind !! known
-        call help(kind, x)
-    end subroutine sum_all
-    !> Help.
-    !@variant
-    subroutine help(kind, x)
-        integer, intent(in) :: kind
-    end subroutine help
-    subroutine sum_some(which, x)
-        call sum_all(which, x)
-    end subroutine sum_some
-"""
 
 
 MARK = re.compile(r'^# (\d+) "(.*)"$')
@@ -111,10 +93,6 @@ def written(folder, script, source, text):
 @pytest.mark.parametrize(("script", "source", "text", "pairs"), [
     ("steps.py", "debt_steps.f90", STEPS, {"call debt_kernels": "call each_pay_debt",
                                            "if (over > 0)": "if (over > 0)"}),
-    ("variants.py", "loop.f90", LOOP, {"call help_one(": "call help(", "!> Help": "!> Help",
-                                       "subroutine sum_two(": "subroutine sum_all(",
-                                       "select case": "call sum_all(which",
-                                       "end subroutine sum_some": "end subroutine sum_some"}),
 ])  # fmt: skip
 def test_the_compiler_speaks_of_the_lines_of_the_source(tmp_path, script, source, text, pairs):
     (tmp_path / "debt_items.f90").write_text(ITEM)
@@ -153,16 +131,3 @@ def test_steps_of_the_air_hand_on_the_gpu_and_the_host(tmp_path):
     body = lines.index("call blow(gpu, air, air%n, err)")
     rest = ["call settle(n)", "call gpu%go_on()", "call gpu%halo%reals_of_others(gpu%u, err)"]
     assert lines[body + 1 : body + 4] == rest
-
-
-def test_variants_are_copies_with_a_constant(tmp_path):
-    text = written(tmp_path, "variants.py", "loop.f90", LOOP)
-    for name in ("one", "two"):
-        assert f"subroutine sum_{name}(x)" in text
-        assert f"integer, parameter :: kind = {name} !! known" in text
-        assert f"call help_{name}(x)" in text
-        assert f"subroutine help_{name}(x)" in text
-    assert "intent(in) :: kind" not in text
-    lines = [x.strip() for x in text.splitlines()]
-    chosen = lines[lines.index("select case (which)") : lines.index("end select")]
-    assert chosen[1:4] == ["case (one)", "call sum_one(x)", "case (two)"]

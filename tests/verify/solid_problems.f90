@@ -236,7 +236,7 @@ contains
     !> period, less 1. The swing is that of the deflection weighted with the velocity at the start,
     !> in which higher modes count with the square of their share. Without plies isotropic, side 20
     !> thicknesses, against Mindlin's theory; else 3, 5 or 7 plies of carbon fibre at 0, 90, 0, ...
-    !> degrees, side 10, against elasticity in space (scripts/plate_reference.py, extrapolated).
+    !> degrees, side 10, against elasticity in space (studies/plate_reference.py, extrapolated).
     !> Glued, each ply is a body of its own.
     subroutine plate(form, layers, seen, plies, glued)
         type(form_t), intent(in) :: form
