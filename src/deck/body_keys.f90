@@ -107,19 +107,19 @@ contains
                       "angle changes), or numbers (1 lies above the lowest ply)."), &
                 key_t(group=g, key='fix', kind=kind_text, n_max=8, &
                       choices='sides|all|x-|x+|y-|y+|z-|z+', &
-                      meaning='Faces that are held; sides: all but the two across the '// &
+                      meaning='Faces that are fixed; sides: all but the two across the '// &
                       'thinnest direction.'), &
                 key_t(group=g, key='fix_layers', kind=kind_integer, default='3', lower=one, &
                       upper=1000*one, &
-                      meaning='Layers of particles that are held at such a face.'), &
+                      meaning='Layers of particles that are fixed at such a face.'), &
                 key_t(group=g, key='fix_width', unit='m', lower=zero, open_lower=.true., &
-                      meaning='Depth that is held at such a face, in place of fix_layers: it '// &
+                      meaning='Depth that is fixed at such a face, in place of fix_layers: it '// &
                       'stays the same where the spacing changes.'), &
                 key_t(group=g, key='fix_box', n_min=6, n_max=48, unit='m', &
-                      meaning='Regions in which particles are held: x0, x1, y0, y1, z0, z1 '// &
+                      meaning='Regions in which particles are fixed: x0, x1, y0, y1, z0, z1 '// &
                       'of each, up to eight.'), &
                 key_t(group=g, key='roller_box', n_min=6, n_max=48, unit='m', &
-                      meaning='Regions in which particles are held along one axis alone: x0, '// &
+                      meaning='Regions in which particles are fixed along one axis alone: x0, '// &
                       'x1, y0, y1, z0, z1 of each, up to eight; a thin one is a line support.'), &
                 key_t(group=g, key='roller_axis', kind=kind_text, n_max=8, choices='x|y|z', &
                       meaning='That axis, for each roller_box.'), &
@@ -140,7 +140,7 @@ contains
                       '(linear_elastic).'), &
                 key_t(group=g, key='motion_time', n_max=64, unit='s', &
                       meaning='Times of a prescribed velocity, of a rigid body or of the '// &
-                      'particles that are held.'), &
+                      'particles that are fixed.'), &
                 key_t(group=g, key='motion_velocity', n_min=3, n_max=192, unit='m/s', &
                       likely=[zero, 2e4_dp], &
                       meaning='Velocity at these times, three numbers each, straight lines '// &
@@ -185,9 +185,10 @@ contains
                       'laminate; F: that of an isotropic plate.'), &
                 key_t(group=g, key='zeta_viscous', default='0.05', lower=zero, upper=one, &
                       meaning='corrected_hourglass: strength of the viscous hourglass force.'), &
-                key_t(group=g, key='tension_hold', lower=zero, upper=12*one, &
-                      meaning='corrected_hourglass: stiffness of the hourglass force in '// &
-                      'tension over the largest principal tension; if absent 3, in fluids 0. '// &
+                key_t(group=g, key='tensile_control', lower=zero, upper=12*one, &
+                      alias='tension_hold', &
+                      meaning='corrected_hourglass: control of the tensile instability: '// &
+                      'stiffness over the largest principal tension; if absent 3, in fluids 0. '// &
                       'Below 1.25 bodies tear by themselves. Faces of plates have twice it.'), &
                 key_t(group=g, key='plate_axis', kind=kind_text, default='auto', &
                       choices='auto|none|x|y|z', &
@@ -222,7 +223,7 @@ contains
                 key_t(group=g, key='law', kind=kind_text, default=required, &
                       choices='contact|bonded|shared|cohesive|none', &
                       meaning='contact: they press and rub; bonded: one continuum; shared: '// &
-                      'the same while pressed together; cohesive: glued, an interface with '// &
+                      'the same while pressed together; cohesive: joined by an interface with '// &
                       'strength and energy, then contact; none: they pass each other.'), &
                 key_t(group=g, key='friction', default='0.0', lower=zero, upper=2*one, &
                       meaning="contact: Coulomb's coefficient."), &
@@ -261,7 +262,7 @@ contains
                       'times the lesser modulus over the finer spacing, or less, so that it '// &
                       'never halves the time step.'), &
                 key_t(group=g, key='open_box', n_min=6, n_max=48, unit='m', &
-                      meaning='cohesive: regions that are not glued, cracks from the start: '// &
+                      meaning='cohesive: regions that are not joined, cracks from the start: '// &
                       'x0, x1, y0, y1, z0, z1 of each, up to eight.')]
     end subroutine interaction_keys
 end module brz_body_keys

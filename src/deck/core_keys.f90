@@ -292,7 +292,7 @@ contains
                       choices='report|stop|remove', &
                       meaning='When particles leave the region: report it and let them fly on, '// &
                       'stop with a checkpoint and exit code 3, or remove them from everything '// &
-                      'but the books.'), &
+                      'but the totals.'), &
                 key_t(group='coupling', meaning='How air and bodies meet.'), &
                 key_t(group='coupling', key='scheme', kind=kind_text, default='wall_flux', &
                       choices='wall_flux|paper', &
