@@ -20,7 +20,7 @@ AIR = (
     (("air_internal",), "air, internal", "-"),
     (("air_kinetic",), "air, kinetic", "-"),
     (("air_outflow",), "left through the outer faces", "-"),
-    (("air_ledger",), "kept for solid cells", "--"),
+    (("air_stored",), "stored for solid cells", "--"),
 )
 SOLID = (
     (("air_work",), "given by the air", "-"),
@@ -36,7 +36,7 @@ SOLID = (
     (("plastic",), "spent in plastic work", "--"),
     (("damage",), "spent in damage", "--"),
     (("friction",), "spent in friction", "--"),
-    (("bond",), "held by cohesive interfaces", "-"),
+    (("bond",), "stored in cohesive interfaces", "-"),
     (("bond_heat",), "spent in cohesive interfaces", "--"),
 )
 LEAST = 1e-3  # of the largest curve: what is smaller is told in the table alone

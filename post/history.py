@@ -10,6 +10,9 @@ import numpy as np
 
 from post.errors import PostError
 
+# names of columns that files of older versions have, and the present ones
+RENAMED = {"air_ledger": "air_stored", "held_cells": "limited_cells"}
+
 
 class History:
     """Columns of a history file by name; the unit of each stands in the first row of the file.
@@ -57,6 +60,14 @@ class History:
         return list(dict.fromkeys(n.split(":", 1)[0] for n in self.names if ":" in n))
 
 
+def _present_name(name: str) -> str:
+    """The name of a column, `air_ledger_x` for one, as this version writes it."""
+    for old, new in RENAMED.items():
+        if name == old or re.fullmatch(old + "_[xyz]", name):
+            return new + name[len(old) :]
+    return name
+
+
 def read_history(path: Path) -> History:
     """Read a history file. A last row that was never finished is dropped.
 
@@ -68,6 +79,7 @@ def read_history(path: Path) -> History:
         raise PostError(f"{path}: cannot be read: {error.strerror}") from error
     header = lines[0].split(",") if lines else []
     cells = [re.fullmatch(r"\s*(.*?)\s*(?:\[(.*)\])?\s*", text).groups() for text in header]
+    cells = [(_present_name(name or ""), unit) for name, unit in cells]
     names = [name for name, _ in cells]
     if not names or names[0] != "time":
         raise PostError(f"{path}: the first row must name the columns, 'time[s]' first")

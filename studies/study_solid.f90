@@ -120,7 +120,7 @@ contains
 
         words = 'body'//body//'.formulation='//trim(form%formulation)//' body'//body// &
                 '.artificial_stress='//trim(form%artificial)
-        if (form%hold >= 0) words = words//' body'//body//'.tension_hold=0'
+        if (form%hold >= 0) words = words//' body'//body//'.tensile_control=0'
     end function changed
 
     !> Metal that does not fail, where a formulation demands that.

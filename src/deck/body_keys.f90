@@ -80,15 +80,15 @@ contains
             words('interfaces', "delamination: between which plies; 'all', 'angles' (where "// &
                 'the angle changes), or numbers (1 lies above the lowest ply).', default='all', &
                 n_max=32, bare=.true.), &
-            words('fix', 'Faces that are held; sides: all but the two across the thinnest '// &
+            words('fix', 'Faces that are fixed; sides: all but the two across the thinnest '// &
                 'direction.', choices='sides|all|x-|x+|y-|y+|z-|z+', n_max=8), &
-            whole_number('fix_layers', 'Layers of particles that are held at such a face.', one, &
+            whole_number('fix_layers', 'Layers of particles that are fixed at such a face.', one, &
                 1000*one, default='3'), &
-            number('fix_width', 'm', 'Depth that is held at such a face, in place of '// &
+            number('fix_width', 'm', 'Depth that is fixed at such a face, in place of '// &
                 'fix_layers: it stays the same where the spacing changes.', above=zero), &
-            number('fix_box', 'm', 'Regions in which particles are held: x0, x1, y0, y1, z0, '// &
+            number('fix_box', 'm', 'Regions in which particles are fixed: x0, x1, y0, y1, z0, '// &
                 'z1 of each, up to eight.', n_min=6, n_max=48), &
-            number('roller_box', 'm', 'Regions in which particles are held along one axis '// &
+            number('roller_box', 'm', 'Regions in which particles are fixed along one axis '// &
                 'alone: x0, x1, y0, y1, z0, z1 of each, up to eight; a thin one is a line '// &
                 'support.', n_min=6, n_max=48), &
             words('roller_axis', 'That axis, for each roller_box.', choices='x|y|z', n_max=8), &
@@ -104,7 +104,7 @@ contains
             flag('start_stress', 'start_file is a dump: take its stress and displacements too '// &
                 '(linear_elastic).', '.false.'), &
             number('motion_time', 's', 'Times of a prescribed velocity, of a rigid body or of '// &
-                'the particles that are held.', n_max=64), &
+                'the particles that are fixed.', n_max=64), &
             number('motion_velocity', 'm/s', 'Velocity at these times, three numbers each, '// &
                 'straight lines between them.', likely=[zero, 2e4_dp], n_min=3, n_max=192)])
     end subroutine state_keys
@@ -141,10 +141,10 @@ contains
                 'the laminate; F: that of an isotropic plate.', 'T'), &
             number('zeta_viscous', '-', 'corrected_hourglass: strength of the viscous '// &
                 'hourglass force.', default='0.05', lower=zero, upper=one), &
-            number('tension_hold', '-', 'corrected_hourglass: stiffness of the hourglass '// &
-                'force in tension over the largest principal tension; if absent 3, in fluids '// &
-                '0. Below 1.25 bodies tear by themselves. Faces of plates have twice it.', &
-                lower=zero, upper=12*one), &
+            number('tensile_control', '-', 'corrected_hourglass: control of the tensile '// &
+                'instability: stiffness over the largest principal tension; if absent 3, in '// &
+                'fluids 0. Below 1.25 bodies tear by themselves. Faces of plates have twice it.', &
+                lower=zero, upper=12*one, alias='tension_hold'), &
             words('plate_axis', 'corrected_hourglass: normal of a flat body, so that it bends '// &
                 'right. auto: boxes and discs of 3 to 12 layers, at most 1/3 of every other '// &
                 'side, and bars, where bodies meet at up to 1 km/s.', default='auto', &
@@ -168,7 +168,7 @@ contains
             words('bodies', "Ids of two bodies; one: that body and every other; '*': all; "// &
                 "'id*': all ids that begin so.", default="'*'", n_max=2), &
             words('law', 'contact: they press and rub; bonded: one continuum; shared: the '// &
-                'same while pressed together; cohesive: glued, an interface with strength and '// &
+                'same while pressed together; cohesive: joined by an interface with strength and '// &
                 'energy, then contact; none: they pass each other.', default=required, &
                 choices='contact|bonded|shared|cohesive|none'), &
             number('friction', '-', "contact: Coulomb's coefficient.", default='0.0', lower=zero, &
@@ -198,7 +198,7 @@ contains
             number('interface_stiffness', 'Pa/m', 'cohesive: traction over opening before '// &
                 'damage; if absent ten times the lesser modulus over the finer spacing, or '// &
                 'less, so that it never halves the time step.', above=zero), &
-            number('open_box', 'm', 'cohesive: regions that are not glued, cracks from the '// &
+            number('open_box', 'm', 'cohesive: regions that are not joined, cracks from the '// &
                 'start: x0, x1, y0, y1, z0, z1 of each, up to eight.', n_min=6, n_max=48)])
     end subroutine interaction_keys
 end module brz_body_keys

@@ -150,9 +150,9 @@ contains
 
         if (.not. body%fix_width > 0) return
         if (is_given(deck%groups(g), 'fix_layers')) call complain(deck, g, 'fix_width', &
-            'fix_width and fix_layers both say how deep a face is held; keep one')
+            'fix_width and fix_layers both say how deep a face is fixed; keep one')
         if (all(body%fix == '')) call complain(deck, g, 'fix_width', &
-            "fix_width needs the faces that are held: add fix='sides'")
+            "fix_width needs the faces that are fixed: add fix='sides'")
         if (body%fix_width < 0.5_dp*body%spacing) call complain(deck, g, 'fix_width', &
             'fix_width '//to_text(body%fix_width)//' m holds no particle: the first ones lie '// &
             'half a spacing of '//to_text(body%spacing)//' m deep')

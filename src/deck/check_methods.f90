@@ -17,7 +17,7 @@ module brz_check_methods
     type(read_by_t), parameter :: readers(5) = [ &
         read_by_t('zeta', 'bending, total_lagrangian'), read_by_t('hourglass_axes', 'bending'), &
         read_by_t('zeta_viscous', 'corrected_hourglass'), &
-        read_by_t('tension_hold', 'corrected_hourglass'), &
+        read_by_t('tensile_control', 'corrected_hourglass'), &
         read_by_t('plate_axis', 'corrected_hourglass')]
 
 contains

@@ -83,7 +83,7 @@ contains
         if (body%formulation == 'rigid') call complain(deck, g, 'body', 'regions of a rigid '// &
             'body cannot move apart; drive it by its motion_time and motion_velocity')
         if (body%n_motion > 0) call complain(deck, g, 'body', 'the body has a motion_time for '// &
-            'all that is held of it; make that a &motion, too')
+            'all that is fixed of it; make that a &motion, too')
     end subroutine check_body
 
     !> What is prescribed lies along axes that move, and in the space of the scene.

@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: MIT
 !> Groups against the key table: known keys, converted values, defaults, what is missing or double.
 module brz_complete
-    use brz_deck, only: add_entry, add_error, add_group, deck_t, drop_group, entry_t, find_entry, &
-                        find_group, group_label, group_t
+    use brz_deck, only: add_entry, add_error, add_group, add_warning, deck_t, drop_group, &
+                        entry_t, find_entry, find_group, group_label, group_t
     use brz_errors, only: error_t, exit_internal, raise
     use brz_key, only: key_t, none, required
-    use brz_key_text, only: expectation, find_row, group_repeats, key_hint
+    use brz_key_text, only: alias_text, expectation, find_row, group_repeats, key_hint, present_name
     use brz_preset, only: expand_preset
     use brz_text, only: nearest, printable, to_text
     use brz_value_text, only: entry_from_text
@@ -13,7 +13,7 @@ module brz_complete
     implicit none
     private
     public :: convert_group, complete_group, parse_defaults, check_repeats, group_owner
-    public :: ensure_group, list_owners, take_id
+    public :: ensure_group, list_owners, take_id, take_present_names
 
 contains
 
@@ -49,6 +49,25 @@ contains
             end associate
         end do
     end subroutine convert_group
+
+    !> Call the keys of a group by their present names, and tell of those that have another one.
+    subroutine take_present_names(deck, keys, g)
+        type(deck_t), intent(inout) :: deck
+        type(key_t), intent(in) :: keys(:)
+        integer, intent(in) :: g
+        character(:), allocatable :: name
+        integer :: e
+
+        do e = 1, deck%groups(g)%n
+            associate (entry => deck%groups(g)%entries(e))
+                name = present_name(keys, trim(deck%groups(g)%name), trim(entry%key))
+                if (name == entry%key) cycle
+                call add_warning(deck, entry%line, group_label(deck%groups(g))// &
+                                 alias_text(trim(entry%key), name))
+                entry%key = name
+            end associate
+        end do
+    end subroutine take_present_names
 
     !> Copy the id into the group, so that every message can name it.
     subroutine take_id(deck, g)

@@ -212,7 +212,7 @@ contains
                 'of the air if absent.', n=6), &
             words('leave', 'When particles leave the region: report it and let them fly on, '// &
                 'stop with a checkpoint and exit code 3, or remove them from everything but '// &
-                'the books.', default='report', choices='report|stop|remove')])
+                'the totals.', default='report', choices='report|stop|remove')])
         call add_group(keys, 'coupling', 'How air and bodies meet.', [ &
             words('scheme', 'wall_flux: fluxes at walls, nothing is lost. paper: as the paper '// &
                 'prints it, solid cells filled with gas, to compare; it loses mass.', &

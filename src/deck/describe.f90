@@ -5,7 +5,7 @@ module brz_describe
     use brz_errors, only: error_t, exit_deck, raise
     use brz_key, only: key_t, kind_integer, kind_logical, kind_real, none, required
     use brz_key_text, only: choice_text, default_text, group_hint, group_known, &
-                            group_repeats, range_text, same_value_count, unit_text
+                            group_repeats, meaning_text, range_text, same_value_count, unit_text
     use brz_preset, only: describe_presets, is_preset
     use brz_text, only: lower, printable, split, string_t
     implicit none
@@ -65,7 +65,7 @@ contains
             text = text//'  '//keys(i)%key//kind_name(keys(i))
             if (range_text(keys(i)) /= '') text = text//' '//range_text(keys(i))
             text = text//unit_text(keys(i))//', '//default_words(keys(i))//lf
-            text = text//repeat(' ', 26)//trim(keys(i)%meaning)//lf
+            text = text//repeat(' ', 26)//meaning_text(keys(i))//lf
             if (choices(keys, keys(i)) /= '') text = text//repeat(' ', 26)//'One of: '// &
                  choices(keys, keys(i))//lf
         end do
@@ -160,7 +160,7 @@ contains
         case default
             text = text//'`'//default_text(row)//'`'
         end select
-        text = text//' | '//trim(row%meaning)
+        text = text//' | '//meaning_text(row)
         if (choices(keys, row) /= '') text = text//full_stop(row)//' One of: '// &
                                         choices(keys, row)//'.'
         text = text//' |'//lf

@@ -27,7 +27,8 @@ module brz_key
         integer :: longest = 32 !! most characters of a text
         logical :: bare = .false. !! a text may stand without quotes
         character(1024) :: choices = '' !! allowed texts, separated by '|'; '' = any
-        character(24) :: former = '' !! what the key was called before
+        character(24) :: former = '' !! what the key was called before, which is refused
+        character(24) :: alias = '' !! an older name that is read as this one, and told
         character(300) :: meaning = '' !! one sentence
         character(24) :: owner = '' !! &material: the model that has this key, '' = every model
         logical :: failure = .false. !! &material: goes with failure = 'none'

@@ -32,13 +32,13 @@ contains
 
     !> A real number, or several.
     pure function number(key, unit, meaning, default, lower, above, upper, likely, n, n_min, &
-                         n_max, former) result(row)
+                         n_max, former, alias) result(row)
         character(*), intent(in) :: key, unit, meaning
         character(*), intent(in), optional :: default
         real(dp), intent(in), optional :: lower, above, upper !! `above`: this itself is too low
         real(dp), intent(in), optional :: likely(2)
         integer, intent(in), optional :: n, n_min, n_max !! how many: n is both bounds
-        character(*), intent(in), optional :: former !! name
+        character(*), intent(in), optional :: former, alias !! names, see key_t
         type(key_t) :: row
 
         row = key_t(key=key, unit=unit, meaning=meaning)
@@ -53,6 +53,7 @@ contains
         if (present(n_min)) row%n_min = n_min
         if (present(n_max)) row%n_max = n_max
         if (present(former)) row%former = former
+        if (present(alias)) row%alias = alias
     end function number
 
     !> An integer, or `n` of them.

@@ -7,6 +7,7 @@ module brz_key_text
     private
     public :: find_row, group_known, group_repeats, expectation, range_text, unit_text, choice_text
     public :: key_hint, group_hint, choice_hint, default_text, list_keys, same_value_count
+    public :: alias_text, meaning_text, present_name
 
 contains
 
@@ -21,6 +22,37 @@ contains
         end do
         row = 0
     end function find_row
+
+    !> The name of a key: the present one where an older one is given.
+    pure function present_name(keys, group, key) result(name)
+        type(key_t), intent(in) :: keys(:)
+        character(*), intent(in) :: group, key
+        character(:), allocatable :: name
+        integer :: row
+
+        name = key
+        do row = 1, size(keys)
+            if (key == '' .or. keys(row)%group /= group .or. keys(row)%alias /= key) cycle
+            name = trim(keys(row)%key)
+        end do
+    end function present_name
+
+    !> What is said of an older name that is read as the present one.
+    pure function alias_text(old, new) result(text)
+        character(*), intent(in) :: old, new
+        character(:), allocatable :: text
+
+        text = "key '"//old//"' is called '"//new//"' now; the old name is read for two versions"
+    end function alias_text
+
+    !> What a key means, and what else it is called.
+    pure function meaning_text(row) result(text)
+        type(key_t), intent(in) :: row
+        character(:), allocatable :: text
+
+        text = trim(row%meaning)
+        if (row%alias /= '') text = text//' Also read as '//trim(row%alias)//', its old name.'
+    end function meaning_text
 
     pure logical function group_known(keys, group)
         type(key_t), intent(in) :: keys(:)

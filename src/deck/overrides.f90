@@ -1,10 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> `--set group.key=value` and `--set group(id).key=value`: the command line over the deck.
 module brz_overrides
-    use brz_deck, only: add_entry, add_error, add_group, deck_t, entry_t, find_entry, find_group
+    use brz_deck, only: add_entry, add_error, add_group, add_warning, deck_t, entry_t, &
+                        find_entry, find_group
     use brz_complete, only: group_owner
     use brz_key, only: key_t, kind_text
-    use brz_key_text, only: find_row, group_hint, group_known, group_repeats, key_hint
+    use brz_key_text, only: alias_text, find_row, group_hint, group_known, group_repeats, &
+                            key_hint, present_name
     use brz_preset, only: take_back
     use brz_text, only: lower, to_text
     use brz_value_text, only: entry_from_text
@@ -67,7 +69,9 @@ contains
                 call add_error(deck, 0, "'"//key//"' cannot be set here: change the deck", i)
             else
                 call choose_group(deck, keys, i, group, id, g)
-                if (g > 0) call override(deck, keys, i, g, key, value)
+                if (g > 0) call override(deck, keys, i, g, present_name(keys, group, key), value)
+                if (key /= present_name(keys, group, key)) call add_warning(deck, 0, &
+                    '--set '//group//': '//alias_text(key, present_name(keys, group, key)))
             end if
         end do
     end subroutine apply_overrides

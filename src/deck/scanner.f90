@@ -6,7 +6,8 @@
 !> collected in the deck: `build_case` (or `report_errors`) raises them all together, so that one
 !> look at the deck repairs them all.
 module brz_scanner
-    use brz_complete, only: check_repeats, complete_group, convert_group, parse_defaults, take_id
+    use brz_complete, only: check_repeats, complete_group, convert_group, parse_defaults, &
+                            take_id, take_present_names
     use brz_deck, only: add_error, add_group, deck_t, entry_t, max_groups, max_shown, report_errors
     use brz_entries, only: read_entries
     use brz_errors, only: error_t, failed
@@ -91,6 +92,7 @@ contains
         end if
         do g = 1, deck%n
             call take_id(deck, g)
+            call take_present_names(deck, keys, g)
         end do
         call choose_presets(deck, keys)
         do g = 1, deck%n

@@ -14,6 +14,7 @@ module brz_checkpoint
     use brz_checkpoint_match, only: first_difference
     use brz_checkpoint_state, only: carry_air, carry_clock, carry_coupling, carry_solid
     use brz_clock, only: clock_t
+    use brz_core_keys, only: core_keys
     use brz_coupling_gather, only: begin_sharing, keep_before, share_coupling
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t, failed, raise, exit_io
@@ -21,6 +22,7 @@ module brz_checkpoint
     use brz_files, only: list_folder, name_len, remove_file, rename_file
     use brz_hdf5_attribute, only: h5_get
     use brz_hdf5_file, only: h5_close, h5_create, h5_open, h5_plain, h5_t
+    use brz_key, only: key_t
     use brz_kinds, only: dp
     use brz_meta, only: describe_run, meta_t, write_meta
     use brz_output_folder, only: checkpoint_begin, checkpoint_end, checkpoint_name
@@ -171,12 +173,14 @@ contains
         type(case_t), intent(in) :: case
         type(error_t), intent(inout) :: err
         character(:), allocatable :: made_with, deck, theirs, ours
+        type(key_t), allocatable :: keys(:)
         logical :: differ
 
         call h5_get(file, about, 'precision', made_with, err)
         call h5_get(file, about, 'deck', deck, err)
         if (failed(err)) return
-        call first_difference(deck, case%echo, differ, theirs, ours)
+        call core_keys(keys)
+        call first_difference(keys, deck, case%echo, differ, theirs, ours)
         if (made_with /= precision) then
             call raise(err, exit_io, file%path//': was written with PRECISION='//made_with// &
                        ', this program has '//precision)

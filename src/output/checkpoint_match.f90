@@ -3,7 +3,10 @@
 !>
 !> The complete decks are compared line by line. These may differ, because they do not touch the
 !> state: all of &output, and in &run title, t_end, max_steps, dt_min, energy_band and backend.
+!> A checkpoint of an older version may have an older name of a key.
 module brz_checkpoint_match
+    use brz_key, only: key_t
+    use brz_key_text, only: present_name
     implicit none
     private
     public :: first_difference, free_keys
@@ -15,7 +18,8 @@ module brz_checkpoint_match
 contains
 
     !> The first line in which two complete decks differ; false and '' if there is none.
-    subroutine first_difference(deck_a, deck_b, differ, line_a, line_b)
+    subroutine first_difference(keys, deck_a, deck_b, differ, line_a, line_b)
+        type(key_t), intent(in) :: keys(:)
         character(*), intent(in) :: deck_a, deck_b
         logical, intent(out) :: differ
         character(:), allocatable, intent(out) :: line_a, line_b !! with their group in front
@@ -29,12 +33,27 @@ contains
         do
             call next_line(deck_a, a, group_a, line_a)
             call next_line(deck_b, b, group_b, line_b)
+            line_a = present_line(keys, group_a, line_a)
+            line_b = present_line(keys, group_b, line_b)
             differ = line_a /= line_b .or. group_a /= group_b
             if (differ .or. line_a == '') exit
         end do
         if (line_a /= '' .and. line_a(1:1) /= '&') line_a = group_a//' '//line_a
         if (line_b /= '' .and. line_b(1:1) /= '&') line_b = group_b//' '//line_b
     end subroutine first_difference
+
+    !> A line 'key = values' with the present name of the key.
+    pure function present_line(keys, group, line) result(text)
+        type(key_t), intent(in) :: keys(:)
+        character(*), intent(in) :: group, line
+        character(:), allocatable :: text
+        integer :: i
+
+        text = line
+        i = index(line, ' ')
+        if (i > 1 .and. index(line, '=') > i) &
+            text = present_name(keys, group(min(2, len(group) + 1):), line(:i - 1))//line(i:)
+    end function present_line
 
     !> The next line that counts, without the mark of a default; '' at the end.
     subroutine next_line(deck, position, group, line)

@@ -104,7 +104,7 @@ contains
 
         body%tension_hold = 0
         if (body%formulation /= form_corrected_hourglass) then
-            if (input%tension_hold > 0) call refuse(input, 'tension_hold goes with '// &
+            if (input%tension_hold > 0) call refuse(input, 'tensile_control goes with '// &
                 "formulation='corrected_hourglass' alone; leave it out", err)
             return
         end if

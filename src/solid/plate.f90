@@ -68,7 +68,7 @@ contains
             if (a > shape%dimension .or. .not. bends) then
                 call raise(err, exit_deck, label('body', input%id, input%place)// &
                            'plate_axis names a direction that is modelled, in a body with '// &
-                           "formulation='corrected_hourglass' and a tension_hold, or in "// &
+                           "formulation='corrected_hourglass' and a tensile_control, or in "// &
                            "'total_lagrangian'; leave it out")
                 return
             end if
@@ -101,7 +101,7 @@ contains
 
         if (.not. body%tension_hold > 0) call raise(err, exit_deck, &
             label('body', input%id, input%place)//"lattice='layered' is for bodies in "// &
-            "formulation='corrected_hourglass' with a tension_hold, whose faces have tilted "// &
+            "formulation='corrected_hourglass' with a tensile_control, whose faces have tilted "// &
             'gradients; leave it out')
         if (input%plate_axis == 'none' .or. speed > fast) return
         a = mod(axis_of(input), 3) + 1

@@ -54,8 +54,8 @@ contains
 
         held = count(solid%fixed(body%first:body%last) == 1)
         if (held > 0 .and. held <= body%last - body%first) call raise(err, exit_deck, &
-            label('body', input%id, input%place)//"a rigid body is held as a whole (fix='all') "// &
-            'or not at all')
+            label('body', input%id, input%place)//"a rigid body is fixed as a whole (fix='all')"// &
+            ' or not at all')
         call freedom(solid, on_plane, held > 0, body)
         associate (b => body%rigid)
             call sum_mass(solid, body, on_plane, inertia)

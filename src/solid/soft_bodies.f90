@@ -42,7 +42,7 @@ contains
                 'up to '//to_text(real(1e-6_dp*peak, real32))//' MPa, '// &
                 to_text(nint(100*share))//' % of its bulk modulus, where p = K mu holds for '// &
                 'no material and the run may end in an impossible state; foam needs a law '// &
-                'that crushes (hjc by its crush curve) and sides that are held: '// &
+                'that crushes (hjc by its crush curve) and sides that are fixed: '// &
                 'docs/materials.md, foam'//new_line('a')
         end associate
     end subroutine judge_soft

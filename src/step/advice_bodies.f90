@@ -39,7 +39,7 @@ contains
                 do k = 1, body%n_fix_boxes
                     if (all(body%fix_box(1:2*d:2, k) <= lo(:d)) .and. &
                         all(body%fix_box(2:2*d:2, k) >= hi(:d))) then
-                        call say_advice("'"//trim(body%id)//"' is held everywhere: with "// &
+                        call say_advice("'"//trim(body%id)//"' is fixed everywhere: with "// &
                             "formulation='rigid', fix='all' it stands as still")
                         call say_more('and saves '//time_text(particle_seconds(work, b))// &
                                       ' of one core ('//count_text(work%of_body(b))// &

@@ -143,7 +143,7 @@ contains
             count_text(steps), ' steps at this rate (a blast or a fracture shortens it)'
         if (case%air%present .and. deform) write (output_unit, '(a, es10.3, 5a)') &
             'solid steps  ', size_of%dt_solid, ' s at first: ', count_text(substeps), &
-            ' in each step of the air, about ', count_text(steps*substeps), ' while awake'
+            ' in each step of the air, about ', count_text(steps*substeps), ' while active'
         associate (out => case%output, t_end => case%run%t_end)
             dumps = 2 + max(aint(t_end/out%dump_every - slack) &
                             - aint(max(out%dump_from/out%dump_every - slack, 0.0_dp)), 0.0_dp)
@@ -234,7 +234,7 @@ contains
                     body%volume_scale
                 call print_settings(sim%case, solid, b)
                 held = count(solid%fixed(body%first:body%last) == is_held)
-                if (held > 0) call print_more(to_text(held)//' particles are held')
+                if (held > 0) call print_more(to_text(held)//' particles are fixed')
                 call print_more(crack_report(body, solid%materials(body%material)))
             end associate
         end do

@@ -39,7 +39,7 @@ contains
         do k = 1, size(kinds)
             if (kinds(k)%pairs > most_named) kinds(k)%names = kinds(k)%names//' and '// &
                 to_text(kinds(k)%pairs - most_named)//' more pairs'
-            write (output_unit, '(4a)') 'meeting      ', kinds(k)%law, ': ', kinds(k)%names
+            write (output_unit, '(4a)') 'interaction  ', kinds(k)%law, ': ', kinds(k)%names
         end do
     end subroutine print_meetings
 

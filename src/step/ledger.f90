@@ -28,7 +28,7 @@ module brz_ledger
     !> Columns of energy.csv.
     character(20), parameter :: energy_columns(n_energy) = [character(20) :: &
                                 'time[s]', 'air_kinetic[J]', 'air_internal[J]', 'air_outflow[J]', &
-                                'air_ledger[J]', 'solid_kinetic[J]', 'solid_internal[J]', &
+                                'air_stored[J]', 'solid_kinetic[J]', 'solid_internal[J]', &
                                 'hourglass[J]', 'artificial[J]', 'viscous[J]', &
                                 'hourglass_heat[J]', 'plastic[J]', 'damage[J]', &
                                 'air_work[J]', 'load_work[J]', 'coupling[J]', 'total[J]', &
@@ -38,9 +38,9 @@ module brz_ledger
                                 'products[kg]', 'products_out[kg]', &
                                 'contact[J]', 'contact_heat[J]', 'friction[J]', 'drive_work[J]', &
                                 'outside[kg]', 'removed[kg]', 'removed[J]', &
-                                'held_cells[-]', &
-                                'air_ledger[kg]', 'air_ledger_x[N s]', 'air_ledger_y[N s]', &
-                                'air_ledger_z[N s]', 'air_momentum_x[N s]', &
+                                'limited_cells[-]', &
+                                'air_stored[kg]', 'air_stored_x[N s]', 'air_stored_y[N s]', &
+                                'air_stored_z[N s]', 'air_momentum_x[N s]', &
                                 'air_momentum_y[N s]', 'air_momentum_z[N s]', &
                                 'air_outflow_x[N s]', 'air_outflow_y[N s]', &
                                 'air_outflow_z[N s]', 'momentum_scale[N s]', &

@@ -49,7 +49,7 @@ contains
             write (output_unit, '(a, es10.2)') 'mass error     ', ledger%mass_error
             write (output_unit, '(a, es10.2)') 'momentum error ', ledger%momentum_error
             write (output_unit, '(a, i0)') 'fallback faces  ', nint(ledger%fallback_faces, int64)
-            if (ledger%held_cells > 0) write (output_unit, '(a, i0)') 'held cells      ', &
+            if (ledger%held_cells > 0) write (output_unit, '(a, i0)') 'limited cells   ', &
                 nint(ledger%held_cells, int64)
         end if
         call print_clamped(sim)

@@ -50,8 +50,8 @@ contains
         if (told .or. .not. cells > 0) return
         told = .true.
         write (error_unit, '(a)') 'warning: until t = '//to_text(sim%clock%time)//' s '// &
-            to_text(nint(cells))//' cells of gas were held for a stage, as no flux would have '// &
-            'left density and pressure positive (held_cells[-] in energy.csv); nothing is '// &
-            'lost, but the gas is coarse there: a smaller cfl may help'
+            to_text(nint(cells))//' cells of gas were limited for a stage, as no flux would '// &
+            'have left density and pressure positive (limited_cells[-] in energy.csv); nothing '// &
+            'is lost, but the gas is coarse there: a smaller cfl may help'
     end subroutine watch_held
 end module brz_watch

@@ -111,11 +111,11 @@ contains
                 time_text(work%steps*(work%cells/gpu_cells + &
                                       work%substeps*work%particles/gpu_particles)), &
                 ' and dumps, on a GPU like an H200 (on the CPU ', time_text(seconds), &
-                ' of one core), if all is awake'
+                ' of one core), if all is active'
         else
             write (output_unit, '(5a, i0, a)') 'time         about ', time_text(seconds), &
                 ' of one core, ', time_text(seconds/threads), ' on ', threads, &
-                ' here, if all is awake; twice that on a busy machine'
+                ' here, if all is active; twice that on a busy machine'
         end if
     end subroutine print_work
 end module brz_work

@@ -15,7 +15,7 @@ START, MIRROR, LOAD, RIGID, NEAR, FAR, STILL, ONE = (
     "cells in its radius",
     "mirror image",
     "Kingery and",
-    "held everywhere",
+    "fixed everywhere",
     "send back",
     "not reach",
     "gives way by",

@@ -304,10 +304,10 @@ def test_how_bodies_meet_is_told(tmp_path):
     """Law, reason and pairs; of many pairs of a kind the first."""
     code, out, err = check(tmp_path, MEETINGS)
     assert code == 0, err
-    told = [" ".join(line.split()) for line in out.splitlines() if line.startswith("meeting")]
+    told = [" ".join(line.split()) for line in out.splitlines() if line.startswith("interaction")]
     assert told == [
-        "meeting bonded (default: one cuts the other): slab+bar",
-        "meeting contact, friction 0.3 (case.nml:9): slab+p1",
-        "meeting none (case.nml:10): slab+p2",
-        "meeting contact (default): slab+p3, bar+p1, bar+p2, bar+p3 and 3 more pairs",
+        "interaction bonded (default: one cuts the other): slab+bar",
+        "interaction contact, friction 0.3 (case.nml:9): slab+p1",
+        "interaction none (case.nml:10): slab+p2",
+        "interaction contact (default): slab+p3, bar+p1, bar+p2, bar+p3 and 3 more pairs",
     ]

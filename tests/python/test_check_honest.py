@@ -115,7 +115,7 @@ PLATE = (
 def test_what_a_plate_is_told(tmp_path):
     """Held particles; wide ones for a thin plate that never breaks; four layers that lock."""
     out, _ = check(tmp_path, PLATE.format(STEEL, 0.01))
-    assert "500 particles are held" in out
+    assert "500 particles are fixed" in out
     assert "aspect = 3.0, 3.0, 1.0" in out
     assert "four layers" not in out
     out, _ = check(tmp_path, PLATE.format(STEEL, 0.008))

@@ -156,7 +156,7 @@ def compare(planes, whole, part, closed=True):
             continue
         got = 2 ** len(planes) * part["energy"][name]
         own = (
-            abs(column).max() if name in ("air_ledger[J]", "air_work[J]", "load_work[J]") else most
+            abs(column).max() if name in ("air_stored[J]", "air_work[J]", "load_work[J]") else most
         )
         assert abs(got - column).max() <= 1e-11 * own, name
     for name in ("mass_error[-]", "momentum_error[-]") if closed else ():

@@ -100,7 +100,7 @@ BAD = {
     "radius=0.008, lattice='layered'": "with an inner_radius",
     "radius=0.008, inner_radius=0.006, lattice='layered'": "less than three layers",
     "radius=0.008, inner_radius=0.0005, lattice='layered'": "at most the inner_radius",
-    "radius=0.008, inner_radius=0.005, lattice='layered', formulation='bending'": "tension_hold",
+    "radius=0.008, inner_radius=0.005, lattice='layered', formulation='bending'": "tensile_control",
     "radius=0.008, inner_radius=0.005, lattice='layered', plate_axis='x'": "radial normals",
     "radius=0.008, inner_radius=0.005, lattice='layered', variable_h=T": "leave variable_h out",
     "radius=0.008, inner_radius=0.005, lattice='layered', centre=0.003,0,0": "through the axis",

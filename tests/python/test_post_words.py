@@ -16,6 +16,7 @@ from test_post_pictures import write_scene  # noqa: E402
 from post.balance import balance_table, body_table, totals_table  # noqa: E402
 from post.deck import Deck  # noqa: E402
 from post.deflection import displacement_table  # noqa: E402
+from post.history import read_history  # noqa: E402
 from post.hole_picture import hole_table  # noqa: E402
 from post.perforation import load_plate, measure_perforation  # noqa: E402
 from post.reader import Run  # noqa: E402
@@ -40,6 +41,17 @@ def test_pressures_have_the_unit_of_their_range(top, unit):
     bar = pressure_bar(figure, pressure_colours(101325.0, top), axis)
     assert bar.ax.get_ylabel() == f"pressure [{unit}]"
     plt.close(figure)
+
+
+def test_columns_of_older_versions_have_their_present_names(tmp_path):
+    path = tmp_path / "energy.csv"
+    path.write_text(
+        "time[s],air_ledger[J],air_ledger[kg],air_ledger_x[N s],held_cells[-]\n0,1,2,3,4\n"
+    )
+    history = read_history(path)
+    names = ["time", "air_stored[J]", "air_stored[kg]", "air_stored_x", "limited_cells"]
+    assert history.names == names
+    assert [history[name][0] for name in names] == [0, 1, 2, 3, 4]
 
 
 def write_histories(run, air):
