@@ -39,93 +39,39 @@ module brz_lists
 contains
 
     subroutine integers_at_least(on_gpu, a, n, err)
-        logical, intent(in) :: on_gpu
         integer(int32), allocatable, intent(inout) :: a(:)
-        integer, intent(in) :: n
-        type(error_t), intent(inout) :: err
 
-        if (allocated(a)) then
-            if (size(a) >= n .and. .not. (on_gpu .and. .not. has_copy(a))) return
-            if (on_gpu) call drop_copy(a)
-            deallocate (a)
-        end if
-        allocate (a(n + n/4))
-        if (on_gpu) call give_copy(a, 4_int64*size(a), err)
+        include 'list_at_least.inc'
     end subroutine integers_at_least
 
     subroutine singles_at_least(on_gpu, a, n, err)
-        logical, intent(in) :: on_gpu
         real(real32), allocatable, intent(inout) :: a(:)
-        integer, intent(in) :: n
-        type(error_t), intent(inout) :: err
 
-        if (allocated(a)) then
-            if (size(a) >= n .and. .not. (on_gpu .and. .not. has_copy(a))) return
-            if (on_gpu) call drop_copy(a)
-            deallocate (a)
-        end if
-        allocate (a(n + n/4))
-        if (on_gpu) call give_copy(a, 4_int64*size(a), err)
+        include 'list_at_least.inc'
     end subroutine singles_at_least
 
     subroutine doubles_at_least(on_gpu, a, n, err)
-        logical, intent(in) :: on_gpu
         real(real64), allocatable, intent(inout) :: a(:)
-        integer, intent(in) :: n
-        type(error_t), intent(inout) :: err
 
-        if (allocated(a)) then
-            if (size(a) >= n .and. .not. (on_gpu .and. .not. has_copy(a))) return
-            if (on_gpu) call drop_copy(a)
-            deallocate (a)
-        end if
-        allocate (a(n + n/4))
-        if (on_gpu) call give_copy(a, 8_int64*size(a), err)
+        include 'list_at_least.inc'
     end subroutine doubles_at_least
 
     subroutine single_columns_at_least(on_gpu, a, rows, n, err)
-        logical, intent(in) :: on_gpu
         real(real32), allocatable, intent(inout) :: a(:, :)
-        integer, intent(in) :: rows, n
-        type(error_t), intent(inout) :: err
 
-        if (allocated(a)) then
-            if (size(a, 2) >= n .and. .not. (on_gpu .and. .not. has_copy(a))) return
-            if (on_gpu) call drop_copy(a)
-            deallocate (a)
-        end if
-        allocate (a(rows, n + n/4))
-        if (on_gpu) call give_copy(a, 4_int64*size(a), err)
+        include 'columns_at_least.inc'
     end subroutine single_columns_at_least
 
     subroutine double_columns_at_least(on_gpu, a, rows, n, err)
-        logical, intent(in) :: on_gpu
         real(real64), allocatable, intent(inout) :: a(:, :)
-        integer, intent(in) :: rows, n
-        type(error_t), intent(inout) :: err
 
-        if (allocated(a)) then
-            if (size(a, 2) >= n .and. .not. (on_gpu .and. .not. has_copy(a))) return
-            if (on_gpu) call drop_copy(a)
-            deallocate (a)
-        end if
-        allocate (a(rows, n + n/4))
-        if (on_gpu) call give_copy(a, 8_int64*size(a), err)
+        include 'columns_at_least.inc'
     end subroutine double_columns_at_least
 
     subroutine integer_columns_at_least(on_gpu, a, rows, n, err)
-        logical, intent(in) :: on_gpu
         integer(int32), allocatable, intent(inout) :: a(:, :)
-        integer, intent(in) :: rows, n
-        type(error_t), intent(inout) :: err
 
-        if (allocated(a)) then
-            if (size(a, 2) >= n .and. .not. (on_gpu .and. .not. has_copy(a))) return
-            if (on_gpu) call drop_copy(a)
-            deallocate (a)
-        end if
-        allocate (a(rows, n + n/4))
-        if (on_gpu) call give_copy(a, 4_int64*size(a), err)
+        include 'columns_at_least.inc'
     end subroutine integer_columns_at_least
 
     logical function has_copy(a) result(has)
