@@ -2,7 +2,7 @@
 !> Rows of the key table for bodies and for how they meet.
 module brz_body_keys
     use brz_key, only: key_t, required
-    use brz_key_rows, only: add_group, add_rows, flag, number, whole_number, words
+    use brz_key_rows, only: add_group, add_rows, also_called, flag, number, whole_number, words
     use brz_kinds, only: dp
     use brz_outlines, only: own_keys, shape_choices
     implicit none
@@ -141,10 +141,10 @@ contains
                 'the laminate; F: that of an isotropic plate.', 'T'), &
             number('zeta_viscous', '-', 'corrected_hourglass: strength of the viscous '// &
                 'hourglass force.', default='0.05', lower=zero, upper=one), &
-            number('tensile_control', '-', 'corrected_hourglass: control of the tensile '// &
-                'instability: stiffness over the largest principal tension; if absent 3, in '// &
-                'fluids 0. Below 1.25 bodies tear by themselves. Faces of plates have twice it.', &
-                lower=zero, upper=12*one, alias='tension_hold'), &
+            also_called('tension_hold', number('tensile_control', '-', &
+                'corrected_hourglass: control of the tensile instability: stiffness over the '// &
+                'largest principal tension; if absent 3, in fluids 0. Below 1.25 bodies tear '// &
+                'by themselves. Faces of plates have twice it.', lower=zero, upper=12*one)), &
             words('plate_axis', 'corrected_hourglass: normal of a flat body, so that it bends '// &
                 'right. auto: boxes and discs of 3 to 12 layers, at most 1/3 of every other '// &
                 'side, and bars, where bodies meet at up to 1 km/s.', default='auto', &

@@ -5,7 +5,7 @@ module brz_key_rows
     use brz_kinds, only: dp
     implicit none
     private
-    public :: add_group, add_rows, number, whole_number, flag, words
+    public :: add_group, add_rows, also_called, number, whole_number, flag, words
 
 contains
 
@@ -32,13 +32,13 @@ contains
 
     !> A real number, or several.
     pure function number(key, unit, meaning, default, lower, above, upper, likely, n, n_min, &
-                         n_max, former, alias) result(row)
+                         n_max, former) result(row)
         character(*), intent(in) :: key, unit, meaning
         character(*), intent(in), optional :: default
         real(dp), intent(in), optional :: lower, above, upper !! `above`: this itself is too low
         real(dp), intent(in), optional :: likely(2)
         integer, intent(in), optional :: n, n_min, n_max !! how many: n is both bounds
-        character(*), intent(in), optional :: former, alias !! names, see key_t
+        character(*), intent(in), optional :: former !! name, see key_t
         type(key_t) :: row
 
         row = key_t(key=key, unit=unit, meaning=meaning)
@@ -53,8 +53,17 @@ contains
         if (present(n_min)) row%n_min = n_min
         if (present(n_max)) row%n_max = n_max
         if (present(former)) row%former = former
-        if (present(alias)) row%alias = alias
     end function number
+
+    !> A key that is read by an older name, too.
+    pure function also_called(alias, row) result(same)
+        character(*), intent(in) :: alias
+        type(key_t), intent(in) :: row
+        type(key_t) :: same
+
+        same = row
+        same%alias = alias
+    end function also_called
 
     !> An integer, or `n` of them.
     pure function whole_number(key, meaning, lower, upper, default, n) result(row)

@@ -32,7 +32,7 @@ def paths_in(text):
 def sources_in(text):
     """Names of sources without their folder, as `edge_shares.f90` behind another of it."""
     names = re.findall(r"(?<![\w./*<{},-])([\w*{},-]+\.(?:f90|F90|CUF|pf|py|sh))\b", text)
-    return {re.sub("^gpu_(?=.*_steps)", "", name) for name in names}  # (made by scripts/steps.py)
+    return set(names)
 
 
 def is_there(path):

@@ -116,14 +116,30 @@ contains
         integer, intent(in) :: n(3)
         type(arguments_t), intent(in) :: a
         type(error_t), intent(inout) :: err
-        print '(*(i0,1x))', n, a%n
+        print '(*(i0,1x))', n, a%n, a%missing
+    end subroutine
+end module
+module brz_gpu_counts
+    use brz_buffers
+    use brz_errors
+contains
+    function begin_counts(err) result(buffer)
+        type(error_t), intent(inout) :: err
+        type(integers_t) :: buffer
+    end function
+    subroutine read_counts(number, err)
+        integer, intent(out) :: number(:)
+        type(error_t), intent(inout) :: err
+        number = 5
     end subroutine
 end module
 module brz_gpu_exact_sum
     use brz_buffers
     use brz_errors
+    use brz_ranks
     type :: gpu_exact_t
         type(doubles_t) :: sums, up
+        real(dp) :: total(2) = 3
     contains
         procedure :: end => end_pass
     end type
@@ -133,12 +149,19 @@ contains
         integer, intent(in) :: pass, n
         type(error_t), intent(inout) :: err
     end subroutine
+    function exact_for(ranks, err) result(exact)
+        type(ranks_t), intent(in) :: ranks
+        type(error_t), intent(inout) :: err
+        type(gpu_exact_t), pointer :: exact
+        allocate (exact)
+    end function
 end module
 """
 USER = """program user
     use brz_buffers
     use brz_errors
     use brz_kinds
+    use brz_present_table
     use brz_ranks
     use brz_twig_launches
     use brz_twig_loops
@@ -169,7 +192,7 @@ def twig(tmp_path_factory):
     folder = tmp_path_factory.mktemp("twig")
     (folder / "twig_items.f90").write_text(ITEMS)
     (folder / "stubs.f90").write_text(STUBS)
-    writer = [sys.executable, ROOT / "scripts/items.py", folder / "twig_items.f90", folder]
+    writer = [sys.executable, ROOT / "scripts/loops.py", folder, folder / "twig_items.f90"]
     subprocess.run(writer, check=True)
     return folder
 
@@ -177,9 +200,10 @@ def twig(tmp_path_factory):
 def built(folder, launch, *flags):
     """The result of the compiler for a program that launches so."""
     (folder / "user.f90").write_text(USER.format(launch=launch))
-    base = [ROOT / "src" / x for x in ("base/kinds.F90", "base/tallies.f90", "gpu/buffers.f90")]
+    base = [ROOT / "src" / x for x in ("base/kinds.F90", "base/tallies.f90", "base/buffers.f90")]
+    base += [ROOT / "src/device/present_table.f90"]
     stubs = [folder / "stubs.f90", ROOT / "src/parallel/exact_sum.f90"]
-    made = [folder / f"{x}.f90" for x in ("twig_items", "twig_loops", "twig_launches")]
+    made = [folder / f"{x}.f90" for x in ("twig_items", "twig_launches", "twig_loops")]
     command = ["gfortran", "-cpp", "-fopenmp", *flags, "-J", folder, *base, *stubs, *made]
     command += [folder / "user.f90"]
     command += ["-o", folder / "user"]
@@ -193,7 +217,25 @@ def test_loops_do_all_items_and_sum(twig):
     # the doubled numbers 1, 2, ..., 20: 19 above 1, and the one that was counted before;
     # 18 of 0.5, 1, ..., 10 are above 1; their sum is 105, that of their squares 717.5.
     # Exact sums have no order: of 1e17, 2, -1e17, 1 that of reals is 1
-    assert said.split("\n")[:2] == ["3 -9 20 20 18 105 718 1 400", "20 1 1 3"]
+    assert said.split("\n")[:2] == ["3 -9 20 20 18 105 718 1 400", "20 1 1 3 0"]
+
+
+def test_drivers_loop_or_launch_with_the_copies_of_arrays(twig):
+    launch = """call for_each_square(.true., 20, a, squares, err)
+    call attach(a, buffer_t(64, 160))
+    call attach(squares, buffer_t(256, 80))
+    squares = 0
+    call for_each_square(.true., 20, a, squares, err)
+    call for_each_look(.true., 20, a, high, many, sums, err)
+    call for_each_weigh(.false., 4, ranks, wide, sum_of_wide, err)
+    print '(*(i0,1x))', sum(squares), many, nint(sum_of_wide)
+    call for_each_square(.false., 20, a, squares, err)
+    print '(i0)', squares(20)"""
+    done = built(twig, launch)
+    assert done.returncode == 0, done.stderr
+    said = subprocess.run([twig / "user"], capture_output=True, text=True, check=True).stdout
+    # without copies the last argument that has none is told; counts are read and added
+    assert said.split("\n")[1:6] == ["20 1 1 3 3", "20 1 1 3 0", "4096 1 1 4 0", "0 25 3 -9", "400"]
 
 
 @pytest.mark.skipif(not shutil.which("gdb"), reason="there is no gdb")
@@ -218,7 +260,7 @@ def test_sums_have_a_fixed_number_of_threads(twig):
     done = built(twig, "call kernels%double_it(20, 2.0_rk, x, sums, y, err)")
     assert done.returncode == 0, done.stderr
     said = subprocess.run([twig / "user"], capture_output=True, text=True, check=True).stdout
-    assert said.split("\n")[1] == "4096 1 1 5"
+    assert said.split("\n")[1] == "4096 1 1 5 0"
     kernel = (twig / "twig_kernels.CUF").read_text()
     for line in ("low = sums(t, 3)", "sums(t, 2) = total(2)", "do i = t, n, tally_threads"):
         assert line in kernel
@@ -278,7 +320,7 @@ def leaf(tmp_path_factory):
     """A folder with kernels, and what was written around them."""
     folder = tmp_path_factory.mktemp("leaf")
     (folder / "leaf_kernels.CUF").write_text(KERNELS)
-    writer = [sys.executable, ROOT / "scripts/kernels.py", "leaf", folder]
+    writer = [sys.executable, ROOT / "scripts/loops.py", folder, "leaf"]
     subprocess.run([*writer, folder / "leaf_kernels.CUF"], check=True)
     return folder
 
@@ -289,7 +331,7 @@ def test_a_question_mark_stands_for_all_schemes_that_are_not_named(tmp_path):
     (tmp_path / "leaf.CUF").write_text(
         text.replace("!@kernel press_folded: folded, .false.", named)
     )
-    writer = [sys.executable, ROOT / "scripts/kernels.py", "leaf", tmp_path, tmp_path / "leaf.CUF"]
+    writer = [sys.executable, ROOT / "scripts/loops.py", tmp_path, "leaf", tmp_path / "leaf.CUF"]
     subprocess.run(writer, check=True)
     made = (tmp_path / "leaf_variants.CUF").read_text()
     found = re.findall(r"launch_bounds\((.*)\) subroutine press_(\w+)\(", made)
@@ -326,7 +368,7 @@ def test_launches_of_kernels_are_checked(leaf, launch, fault):
 end program
 """
     )
-    base = [ROOT / "src" / x for x in ("base/kinds.F90", "gpu/buffers.f90")]
+    base = [ROOT / "src" / x for x in ("base/kinds.F90", "base/buffers.f90")]
     made = [leaf / f"{x}.f90" for x in ("stubs", "leaf_launches", "user")]
     command = ["gfortran", "-cpp", "-J", leaf, *base, *made, "-o", leaf / "user"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -335,7 +377,7 @@ end program
         return
     assert done.returncode == 0, done.stderr
     said = subprocess.run([leaf / "user"], capture_output=True, text=True, check=True).stdout
-    assert said.split() == ["9", "2", "1", "4" if "mark" in launch else "3"]
+    assert said.split() == ["9", "2", "1", "4" if "mark" in launch else "3", "0"]
 
 
 def test_variants_are_kernels_that_know_their_constants(leaf):
