@@ -2,7 +2,7 @@
 """What the head of an item says, and how a module around items is written.
 
 For the scripts that write Fortran. What they write has lines such as
-`# 12 "src/air/face_items.f90"`: the compiler and gdb speak of that line of the source.
+`# 12 "src/air/step/face_items.f90"`: the compiler and gdb speak of that line of the source.
 """
 
 import re
