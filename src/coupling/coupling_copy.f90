@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> The coupling on its way to a GPU and back, and numbers about all of it.
 !>
-!> Walls, bins, ledgers and debts are built and held on the GPU; the host learns how many there are.
+!> Walls, bins, cell stores and debts are built and held on the GPU; the host learns how many there
+!> are.
 module brz_coupling_copy
     use brz_air_state, only: air_t
     use brz_air_walls, only: build_walls
@@ -30,7 +31,7 @@ module brz_coupling_copy
 contains
 
     !> Give the coupling memory on the GPU and put the walls up where the particles are there: it is
-    !> computed there from now on. Debts and books are those of the host; the ledgers are in the
+    !> computed there from now on. Debts and books are those of the host; the cell stores are in the
     !> air.
     subroutine open_gpu_coupling(air, solid, c, err)
         type(air_t), intent(inout) :: air !! on the GPU, opened with walls
@@ -122,12 +123,12 @@ contains
 
         book = 0
         book(1, :n_sums) = sums_in(c%books)
-        book(:, book_low) = c%books%ledger_low
-        book(:, book_high) = c%books%ledger_high
+        book(:, book_low) = c%books%stored_low
+        book(:, book_high) = c%books%stored_high
         call copy_in(book, c%device%book, 8_int64*size(book), err)
     end subroutine put_books
 
-    !> Bring work, impulse and the range of the ledgers to the host.
+    !> Bring work, impulse and the range of the cell stores to the host.
     subroutine fetch_books(c, err)
         type(coupling_t), intent(inout) :: c !! on the GPU
         type(error_t), intent(inout) :: err
@@ -137,8 +138,8 @@ contains
         call copy_out(c%device%book, book, 8_int64*size(book), err)
         if (failed(err)) return
         call put_sums(sum(book(:, :n_sums), 1), c%books)
-        c%books%ledger_low = real(minval(book(:, book_low)), rk)
-        c%books%ledger_high = real(maxval(book(:, book_high)), rk)
+        c%books%stored_low = real(minval(book(:, book_low)), rk)
+        c%books%stored_high = real(maxval(book(:, book_high)), rk)
     end subroutine fetch_books
 
     !> Bring walls, debts and books to the host, for a dump or a checkpoint. Of what else the host

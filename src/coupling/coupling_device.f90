@@ -16,14 +16,14 @@ module brz_coupling_device
     ! columns of the books
     integer, parameter :: book_work = 1 !! to 8: work and impulses, as sums_in has them
     integer, parameter :: book_images = 9 !! to 11: what images took
-    integer, parameter :: book_low = n_sums + 1, book_high = n_sums + 2 !! least, largest ledger
+    integer, parameter :: book_low = n_sums + 1, book_high = n_sums + 2 !! least, largest cell store
     integer, parameter :: n_book = n_sums + 2
 
     type :: coupling_device_t
         logical :: walls_fetched = .false. !! no cell has changed hands since the last fetch
         type(doubles_t) :: book !! (tally_threads, n_book) see coupling_books_t
         type(doubles_t) :: speed !! (tally_threads) of the fastest wall [1/s]
-        type(gpu_fetch_t) :: window !! gas and ledgers of other processes
+        type(gpu_fetch_t) :: window !! gas and cell stores of other processes
     end type coupling_device_t
 
 contains

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Start of the coupling: walls from the particles at time zero, empty ledgers, no debts.
+!> Start of the coupling: walls from the particles at time zero, empty cell stores, no debts.
 module brz_coupling_setup
     use brz_air_state, only: air_t, bc_periodic, bc_symmetry, bc_wall
     use brz_air_walls, only: set_up_walls
@@ -177,9 +177,10 @@ contains
         ends(2, :) = outer(2, :) .and. window%hi == whole .and. whole > 1
     end subroutine find_ends
 
-    !> Part of a surface cell that its particles do not fill: its gas is where the ledger starts.
+    !> Part of a surface cell that its particles do not fill: its gas is where the cell store
+    !> starts.
     !>
-    !> A body that moves leaves and covers gas a cell at a time; without this its ledgers would
+    !> A body that moves leaves and covers gas a cell at a time; without this its cell stores would
     !> lack, all the way, what was there at the start.
     pure real(rk) function empty_part(air, solid, coupling, c)
         type(air_t), intent(in) :: air

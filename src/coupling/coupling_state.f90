@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> The state of the coupling, a moving immersed boundary: walls in the air, particles by air cell,
-!> ledgers and debts.
+!> cell stores and debts.
 !>
-!> A solid cell's place in air%u is its ledger: the gas that went through its wall faces, per cell
-!> volume. A gas cell may hold a debt: gas that belongs to it but is handed over slowly. Gas,
-!> ledgers and debts together change only by what leaves the box or reaches the solid.
+!> A solid cell's place in air%u is its cell store: the gas that went through its wall faces, per
+!> cell volume. A gas cell may hold a debt: gas that belongs to it but is handed over slowly. Gas,
+!> cell stores and debts together change only by what leaves the box or reaches the solid.
 module brz_coupling_state
     use brz_air_state, only: wall_t
     use brz_carrier_rules, only: carrier_t
@@ -29,9 +29,9 @@ module brz_coupling_state
         real(dp) :: impulse_reference(3) = 0 !! what was taken off [N s]
         real(dp) :: images(3) = 0 !! momentum that images in planes of symmetry took [N s]
         integer(int64) :: covered = 0, uncovered = 0 !! cells
-        integer(int64) :: kept = 0 !! buried ledgers that found no taker (counted each step)
-        real(rk) :: ledger_low = 0 !! least ledger so far, in units of the gas beside it
-        real(rk) :: ledger_high = 0 !! largest, likewise
+        integer(int64) :: kept = 0 !! buried cell stores that found no taker (counted each step)
+        real(rk) :: stored_low = 0 !! least cell store so far, in units of the gas beside it
+        real(rk) :: stored_high = 0 !! largest, likewise
     end type coupling_books_t
 
     type :: coupling_t
@@ -45,7 +45,7 @@ module brz_coupling_state
         integer :: outside = 0 !! particles outside the box
         integer(int64) :: rebuilds = -1 !! of the bodies' lists when the particles were sorted
         integer :: n_covered = 0, n_uncovered = 0 !! cells that changed hands in this step
-        real(rk) :: level = 0 !! part of a difference that neighbouring ledgers exchange
+        real(rk) :: level = 0 !! part of a difference that neighbouring cell stores exchange
         integer :: n_debts = 0 !! of gas cells
         integer :: bodies = 0 !! that may carry particles
         real(dp) :: dt_before = 0 !! last step of the air, 0: none yet [s]
@@ -73,12 +73,12 @@ module brz_coupling_state
         !! (6, n_cells) face that begins the column of a cell and is near enough to load it, or 0
         integer(int32), allocatable :: uncovered(:) !! in this step, by number of the cell
         integer(int32), allocatable :: listed(:) !! cells of a kind, to take another's place
-        ! donors: cells whose gas goes to ledgers nearby; the uncovered first, then the buried
+        ! donors: cells whose gas goes to cell stores nearby; the uncovered first, then the buried
         integer(int32), allocatable :: donor(:) !! (n_donors) number of the cell
         integer(int32), allocatable :: donor_shell(:) !! (n_donors) shell of the receivers, or 0
         real(rk), allocatable :: donation(:, :) !! (max_var, n_donors) share of each receiver
-        real(rk), allocatable :: ledger(:, :) !! (max_var, n_cells) copy; or what a face hands over
-        real(rk), allocatable :: excess(:) !! (n_cells) part of a ledger to be moved to debts
+        real(rk), allocatable :: stored(:, :) !! (max_var, n_cells) copy; or what a face hands over
+        real(rk), allocatable :: excess(:) !! (n_cells) part of a cell store to be moved to debts
         integer(int32), allocatable :: slot(:, :, :) !! (cells of the box) place among the debts, 0
         integer(int32), allocatable :: debt_cell(:) !! (n_debts) number of the cell
         real(rk), allocatable :: debt(:, :) !! (n_var, n_debts) per cell volume, as air%u

@@ -5,14 +5,14 @@ module brz_coupling_steps
     use brz_air_state, only: air_t
     use brz_carrier_steps, only: move_carriers, see_carriers
     use brz_coupling_state, only: coupling_t
-    use brz_debt_steps, only: level_ledgers, limit_ledgers, release_debts
+    use brz_debt_steps, only: level_cell_stores, limit_cell_stores, release_debts
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int32, rk
     use brz_solid_state, only: solid_t
     use brz_wall_steps, only: feel_gas, find_mean_velocity, push_walls, weigh_columns
     implicit none
     private
-    public :: move_walls, find_velocities, settle_ledgers
+    public :: move_walls, find_velocities, settle_cell_stores
 
 contains
 
@@ -46,18 +46,18 @@ contains
         call push_walls(p, c, dt, v_before, column, err)
     end subroutine find_velocities
 
-    !> Ledgers and debts after a step. The walls move on, too: the next step, and how long it is,
-    !> depend on these alone, so that a restart finds the same.
-    subroutine settle_ledgers(air, solid, p, c, err)
+    !> Cell stores and debts after a step. The walls move on, too: the next step, and how long it
+    !> is, depend on these alone, so that a restart finds the same.
+    subroutine settle_cell_stores(air, solid, p, c, err)
         type(air_t), intent(inout) :: air
         type(solid_t), intent(in) :: solid
         type(solid_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
-        call level_ledgers(air, c, err)
-        call limit_ledgers(air, c, err)
+        call level_cell_stores(air, c, err)
+        call limit_cell_stores(air, c, err)
         call release_debts(air, c, err)
         call move_walls(solid, p, c, err)
-    end subroutine settle_ledgers
+    end subroutine settle_cell_stores
 end module brz_coupling_steps

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Mass, momentum and energy of gas, ledgers and debts.
+!> Mass, momentum and energy of gas, cell stores and debts.
 module brz_coupling_totals
     use brz_air_state, only: air_t
     use brz_air_totals, only: air_totals
@@ -15,17 +15,17 @@ module brz_coupling_totals
 contains
 
     !> Totals over the box. Their sum changes only by outflow and by what reaches the solid.
-    subroutine coupling_totals(air, coupling, gas, ledger, debt, kinetic, products)
+    subroutine coupling_totals(air, coupling, gas, stored, debt, kinetic, products)
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(coupling_t), intent(in) :: coupling
         real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
-        real(dp), intent(out) :: ledger(5), debt(5) !! likewise
+        real(dp), intent(out) :: stored(5), debt(5) !! likewise
         real(dp), intent(out), optional :: kinetic !! energy of the gas [J]
         real(dp), intent(out), optional :: products !! of explosives in all three [kg]
         real(dp) :: owed(6)
 
-        call air_totals(air, coupling%wall, gas, ledger, kinetic, products)
-        if (coupling%paper) ledger = 0 ! there is none: solid cells hold gas that is made up
+        call air_totals(air, coupling%wall, gas, stored, kinetic, products)
+        if (coupling%paper) stored = 0 ! there is none: solid cells hold gas that is made up
         owed = 0
         if (coupling%present) call each_total_debt(coupling%n_debts, air%part%ranks, coupling%box, &
             coupling%n_var, coupling%debt_cell, coupling%debt, owed)
@@ -51,9 +51,9 @@ contains
         books%covered = counts(1)
         books%uncovered = counts(2)
         books%kept = counts(3)
-        least = [books%ledger_low, -books%ledger_high]
+        least = [books%stored_low, -books%stored_high]
         call least_of_all(ranks, least)
-        books%ledger_low = real(least(1), rk)
-        books%ledger_high = real(-least(2), rk)
+        books%stored_low = real(least(1), rk)
+        books%stored_high = real(-least(2), rk)
     end subroutine books_of_all
 end module brz_coupling_totals

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The coupling halo of processes: gas and ledgers of others in the window of the air that each one
-!> sees. GPUs fetch of it what lies around walls.
+!> The coupling halo of processes: gas and cell stores of others in the window of the air that each
+!> one sees. GPUs fetch of it what lies around walls.
 module brz_coupling_windows
     use brz_air_state, only: air_t
     use brz_boxes, only: cells_t
@@ -34,7 +34,7 @@ contains
         if (c%on_gpu) call c%device%window%offer_reals(air%grid%apart, air%device%u, err)
     end subroutine offer_window
 
-    !> Bring the gas and the ledgers in the window of this process up to date.
+    !> Bring the gas and the cell stores in the window of this process up to date.
     subroutine see_window(air, c, met, err)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: c

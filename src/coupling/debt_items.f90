@@ -4,7 +4,7 @@
 module brz_debt_items
     use brz_coupling_box, only: box_t, is_own, place_at
     use brz_kinds, only: dp, int32, int64, int8, rk
-    use brz_ledger_rules, only: release_debt
+    use brz_cell_store_rules, only: release_debt
     use brz_scheme, only: max_var
     implicit none
     private
@@ -69,7 +69,7 @@ contains
         owed(e) = is_owed(n_var, e, debt)
     end subroutine pay_debt
 
-    !> A cell that was covered takes its debt into its ledger.
+    !> A cell that was covered takes its debt into its cell store.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine settle_debt(e, box, n_var, cell, solid, u, debt, owed)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Gas that is stored in solid cells (ledgers) and deferred sources of gas cells (debts): flux
+!> Gas that is stored in solid cells (cell stores) and deferred sources of gas cells (debts): flux
 !> redistribution. The operations of every step, in their order, and what donors hand over.
 module brz_debt_steps
     use brz_air_state, only: air_t
@@ -11,37 +11,38 @@ module brz_debt_steps
         for_each_flag_buried, for_each_list_buried, for_each_owe_donation
     use brz_errors, only: error_t
     use brz_kinds, only: dp
-    use brz_ledger_loops, only: for_each_book_level, for_each_copy_ledger, for_each_first_excess, &
-        for_each_give_excess, for_each_judge_ledger, for_each_level_ledger, for_each_open_excess, &
-        for_each_take_excess, for_each_total_ledger
+    use brz_cell_store_loops, only: for_each_book_level, for_each_copy_ledger, &
+        for_each_first_excess, for_each_give_excess, for_each_judge_ledger, for_each_level_ledger, &
+        for_each_open_excess, for_each_take_excess, for_each_total_ledger
     use brz_lists, only: at_least, copy_first, room_of, running_sum, swap
     use brz_scheme, only: max_var
     implicit none
     private
-    public :: level_ledgers, limit_ledgers, release_debts, settle_covered, enter_debts
-    public :: fill_uncovered, donate, size_debts, size_next, keep_own, ledger_totals
+    public :: level_cell_stores, limit_cell_stores, release_debts, settle_covered, enter_debts
+    public :: fill_uncovered, donate, size_debts, size_next, keep_own, stored_totals
 
 contains
 
-    !> Exchange parts of the ledgers of neighbours. In one dimension there are no such neighbours.
-    subroutine level_ledgers(air, c, err)
+    !> Exchange parts of the cell stores of neighbours. In one dimension there are no such
+    !> neighbours.
+    subroutine level_cell_stores(air, c, err)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
         if (.not. c%level > 0) return
-        call for_each_copy_ledger(c%on_gpu, c%wall%n_cells, c%box, c%cell, air%u, c%ledger, err)
+        call for_each_copy_ledger(c%on_gpu, c%wall%n_cells, c%box, c%cell, air%u, c%stored, err)
         if (any(c%box%mirrors)) then
             call for_each_book_level(c%on_gpu, c%wall%n_cells, c%box, c%shells, c%level, c%cell, &
-                                     c%wall%solid, c%wall%index, c%wall%face_of, c%ledger, &
+                                     c%wall%solid, c%wall%index, c%wall%face_of, c%stored, &
                                      c%books%images, book_at(c%device, book_images), err)
         end if
         call for_each_level_ledger(c%on_gpu, c%wall%n_cells, c%box, c%shells, c%level, c%cell, &
-                                   c%wall%solid, c%wall%index, c%wall%face_of, c%ledger, air%u, err)
-    end subroutine level_ledgers
+                                   c%wall%solid, c%wall%index, c%wall%face_of, c%stored, air%u, err)
+    end subroutine level_cell_stores
 
-    !> Keep each ledger in its band; the excess becomes debt of the gas beside.
-    subroutine limit_ledgers(air, c, err)
+    !> Keep each cell store in its band; the excess becomes debt of the gas beside.
+    subroutine limit_cell_stores(air, c, err)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
@@ -49,11 +50,11 @@ contains
 
         over = 0
         call for_each_judge_ledger(c%on_gpu, c%wall%n_cells, c%box, c%cell, c%gas, c%wall%face_of, &
-                                   air%u, c%excess, c%books%ledger_low, c%books%ledger_high, over, &
+                                   air%u, c%excess, c%books%stored_low, c%books%stored_high, over, &
                                    book_at(c%device, book_low), err)
         if (over == 0) return
         call for_each_take_excess(c%on_gpu, c%wall%n_cells, c%box, c%cell, c%wall%face_of, &
-                                  c%excess, air%u, c%ledger, err)
+                                  c%excess, air%u, c%stored, err)
         call at_least(c%on_gpu, c%start, c%wall%n_faces + 1, err)
         call for_each_first_excess(c%on_gpu, c%wall%n_faces, c%box, c%gas, c%wall%face_cell, &
                                    c%wall%solid, c%wall%index, c%wall%face_of, c%excess, c%slot, &
@@ -65,8 +66,8 @@ contains
         c%n_debts = c%n_debts + opened
         call for_each_give_excess(c%on_gpu, c%wall%n_faces, c%box, c%n_var, c%gas, &
                                   c%wall%face_cell, c%wall%solid, c%wall%index, c%wall%face_of, &
-                                  c%excess, c%ledger, c%slot, c%debt, err)
-    end subroutine limit_ledgers
+                                  c%excess, c%stored, c%slot, c%debt, err)
+    end subroutine limit_cell_stores
 
     !> Pay a part of each debt.
     subroutine release_debts(air, c, err)
@@ -81,7 +82,7 @@ contains
         call drop_paid(c, err)
     end subroutine release_debts
 
-    !> Cells that were covered take their debts into their ledgers.
+    !> Cells that were covered take their debts into their cell stores.
     subroutine settle_covered(air, c, err)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: c
@@ -171,7 +172,7 @@ contains
                                 c%wall%index, c%ends, c%wall%v, air%u, c%donor, c%donation, err)
     end subroutine fill_uncovered
 
-    !> Hand the gas of the donors to the ledgers nearby; what finds none is owed, or waits.
+    !> Hand the gas of the donors to the cell stores nearby; what finds none is owed, or waits.
     subroutine donate(air, c, err)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: c
@@ -202,8 +203,8 @@ contains
                                      air%u, err)
     end subroutine donate
 
-    !> Totals of ledgers and debts, of all processes.
-    subroutine ledger_totals(air, c, kept, products, err)
+    !> Totals of cell stores and debts, of all processes.
+    subroutine stored_totals(air, c, kept, products, err)
         type(air_t), intent(in) :: air !! read in solid cells
         type(coupling_t), intent(inout) :: c
         real(dp), intent(out) :: kept(5) !! mass [kg], momentum [kg m/s], energy [J]
@@ -218,5 +219,5 @@ contains
         total = (total + owed)*product(c%box%dx)
         kept = total(1:5)
         products = total(6)
-    end subroutine ledger_totals
+    end subroutine stored_totals
 end module brz_debt_steps

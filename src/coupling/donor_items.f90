@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
-!> Cells that the solid has left are filled with gas; what is over goes to the ledgers nearby.
+!> Cells that the solid has left are filled with gas; what is over goes to the cell stores nearby.
 !>
-!> Donors are the cells left, then solid cells that no longer touch gas but have a ledger. A donor
-!> looks for receivers, then each receiver gathers from the donors around it, so that nothing
+!> Donors are the cells left, then solid cells that no longer touch gas but have a cell store. A
+!> donor looks for receivers, then each receiver gathers from the donors around it, so that nothing
 !> depends on the order of the items.
 module brz_donor_items
     use brz_air_grid, only: place_of
@@ -11,8 +11,8 @@ module brz_donor_items
                                 place_beside
     use brz_fresh_rules, only: add_gas, mean_gas, no_gas, surrounding_t
     use brz_kinds, only: int32, int64, int8, rk
-    use brz_ledger_items, only: faces_at
-    use brz_ledger_rules, only: fresh_gas
+    use brz_cell_store_items, only: faces_at
+    use brz_cell_store_rules, only: fresh_gas
     use brz_scheme, only: max_var, mixture_gamma, scheme_t
     implicit none
     private
@@ -151,7 +151,7 @@ contains
         end do
     end function look_around
 
-    !> flag(c) = 1 for solid cells that no longer touch gas but have a ledger.
+    !> flag(c) = 1 for solid cells that no longer touch gas but have a cell store.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine flag_buried(c, box, cell, face_of, u, flag)
@@ -216,7 +216,7 @@ contains
         integer(int32), intent(inout) :: shell(*) !! 0: none within reach
         real(rk), intent(inout) :: donation(max_var, *)
         integer(int32), intent(inout) :: flag(*) !! 1: a cell left that owes it to itself
-        integer, intent(inout) :: kept !@count buried ledgers that found no taker
+        integer, intent(inout) :: kept !@count buried cell stores that found no taker
         integer(int64) :: at
         integer :: k, m, s, takers, ijk(3), offset(3)
 

@@ -14,7 +14,7 @@ module brz_event_steps
     use brz_column_loops, only: for_each_find_above
     use brz_coupling_box, only: is_left, is_solid
     use brz_coupling_state, only: coupling_t
-    use brz_coupling_steps, only: settle_ledgers
+    use brz_coupling_steps, only: settle_cell_stores
     use brz_debt_steps, only: donate, fill_uncovered, settle_covered
     use brz_errors, only: error_t
     use brz_lists, only: at_least, clear_list, clear_map, count_in_bins, put_in_bins, &
@@ -49,9 +49,9 @@ contains
         call fill_bins(p, c, err)
     end subroutine put_up_walls
 
-    !> Bring walls, ledgers and gas up to date with the particles. Once per step of the air.
+    !> Bring walls, cell stores and gas up to date with the particles. Once per step of the air.
     !>
-    !> Mass, momentum and energy of gas, ledgers and debts together do not change.
+    !> Mass, momentum and energy of gas, cell stores and debts together do not change.
     subroutine move_on(air, solid, p, c, err)
         type(air_t), intent(inout) :: air
         type(solid_t), intent(in) :: solid !! its bodies
@@ -70,7 +70,7 @@ contains
             call fill_bins(p, c, err)
         end if
         c%rebuilds = solid%rebuilds
-        call settle_ledgers(air, solid, p, c, err)
+        call settle_cell_stores(air, solid, p, c, err)
     end subroutine move_on
 
     !> Find the air cell of each particle, and how many have changed theirs.
@@ -178,7 +178,7 @@ contains
         n = c%wall%n_cells
         call at_least(c%on_gpu, c%above, 6, n, err)
         call at_least(c%on_gpu, c%excess, n, err)
-        call at_least(c%on_gpu, c%ledger, max_var, n, err)
+        call at_least(c%on_gpu, c%stored, max_var, n, err)
         call at_least(c%on_gpu, c%wall%v, 3, n, err)
         call at_least(c%on_gpu, c%wall%face_of, 6, n, err)
         n = c%wall%n_faces

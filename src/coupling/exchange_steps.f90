@@ -128,9 +128,9 @@ contains
         call read_first(c%on_gpu, size(felt), c%felt, felt, err)
     end subroutine feel_loads
 
-    !> Bring walls, ledgers and gas up to date with the particles. Once per step of the air.
+    !> Bring walls, cell stores and gas up to date with the particles. Once per step of the air.
     !>
-    !> Mass, momentum and energy of gas, ledgers and debts together do not change.
+    !> Mass, momentum and energy of gas, cell stores and debts together do not change.
     subroutine reclassify(air, solid, c, err)
         type(air_t), intent(inout) :: air
         type(solid_t), intent(inout) :: solid !! read

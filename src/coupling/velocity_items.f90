@@ -7,7 +7,7 @@ module brz_velocity_items
     use brz_column_rules, only: direction_of
     use brz_coupling_box, only: box_t
     use brz_kinds, only: dp, int32, rk
-    use brz_ledger_items, only: faces_at
+    use brz_cell_store_items, only: faces_at
     use brz_load_rules, only: pushed_velocity
     use brz_particle_marks, only: is_held
     implicit none

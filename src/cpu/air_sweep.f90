@@ -110,7 +110,7 @@ contains
         if (run%lo == 1) work%ends(:, :, 1) = work%f(:, :, 0)
         if (run%hi == air%n(run%d)) work%ends(:, :, 2) = work%f(:, :, n)
         call difference(n, nv, real(1/air%dx(run%d), rk), work%f)
-        if (run%has_solid) call load_off_ledger(wall, run, nv, work%f)
+        if (run%has_solid) call load_off_stored(wall, run, nv, work%f)
         call store(n, nv, air%rate, run, turned(1, run%d), run%first, work%f)
         if (run%last) call count_suspects(n, nv, stage, work%q, work%f, air%suspect(run%block))
     end subroutine sweep_run
@@ -359,8 +359,8 @@ contains
         end do
     end subroutine cut_fluxes
 
-    !> Take the pressure on its walls, and the work of it, off the ledger of a solid cell.
-    subroutine load_off_ledger(wall, run, nv, f)
+    !> Take the pressure on its walls, and the work of it, off the cell store of a solid cell.
+    subroutine load_off_stored(wall, run, nv, f)
         type(wall_t), intent(in) :: wall
         type(run_t), intent(in) :: run
         integer, intent(in) :: nv !! conserved variables
@@ -378,7 +378,7 @@ contains
             f(l, 2, i) = f(l, 2, i) - wall%cut(d)%push(e)
             f(l, 5, i) = f(l, 5, i) - wall%cut(d)%push(e)*wall%cut(d)%speed(e)
         end do
-    end subroutine load_off_ledger
+    end subroutine load_off_stored
 
     !> Place of a line within its block.
     pure integer function lane_of(run, cell)

@@ -69,7 +69,7 @@ contains
                         push(4:6) = push(4:6) + f(at_drag + 1:at_drag + 3)
                     end associate
                     solid%energy(i) = solid%energy(i) + real(dt, rk)*f(at_heat)/solid%mass(i)
-                    body%ledger%contact_heat = body%ledger%contact_heat + dt*f(at_heat)
+                    body%account%contact_heat = body%account%contact_heat + dt*f(at_heat)
                 end do
             end associate
         end do

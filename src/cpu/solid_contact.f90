@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Contact between bodies on the CPU: the loops over blocks, whose sums go to the ledgers.
+!> Contact between bodies on the CPU: the loops over blocks, whose sums go to the energy accounts.
 !>
 !> Results do not depend on the number of threads.
 module brz_solid_contact
@@ -26,7 +26,7 @@ contains
         real(dp) :: limit
         integer :: i, k
 
-        solid%bodies%ledger%early = 0
+        solid%bodies%account%early = 0
         if (.not. solid%links%present) return
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, lost)
         do k = 1, size(solid%block, 2)
@@ -62,14 +62,14 @@ contains
         type(solid_t), intent(inout) :: solid
         integer :: k
 
-        solid%bodies%ledger%contact = 0
+        solid%bodies%account%contact = 0
         do k = 1, size(solid%block, 2)
-            associate (ledger => solid%bodies(solid%block(1, k))%ledger, &
+            associate (account => solid%bodies(solid%block(1, k))%account, &
                        sums => solid%search%sums(:, k))
-                ledger%contact = ledger%contact + sums(kept_energy)
-                ledger%contact_heat = ledger%contact_heat + sums(kept_heat)
-                ledger%friction = ledger%friction + sums(kept_rub)
-                ledger%early = ledger%early + sums(kept_early)
+                account%contact = account%contact + sums(kept_energy)
+                account%contact_heat = account%contact_heat + sums(kept_heat)
+                account%friction = account%friction + sums(kept_rub)
+                account%early = account%early + sums(kept_early)
             end associate
         end do
     end subroutine book

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Pass 2: accelerations by the internal forces, heat of the viscous ones, and their ledger.
+!> Pass 2: accelerations by the internal forces, heat of the viscous ones, and their energy account.
 module brz_solid_forces
     use brz_body, only: body_t
     use brz_cohesive_state, only: push_of
@@ -55,30 +55,30 @@ contains
             end do
         end if
         do k = 1, size(solid%bodies)
-            associate (ledger => solid%bodies(k)%ledger)
+            associate (account => solid%bodies(k)%account)
                 if (solid%bodies(k)%tension_hold > 0 .and. .not. (solid%bodies(k)%asleep &
                                                                   .and. dt > 0)) then
-                    ledger%hourglass = 0 ! what the blocks hold now
+                    account%hourglass = 0 ! what the blocks hold now
                 else if (solid%bodies(k)%artificial == artificial_none) then
-                    ledger%hourglass = ledger%hourglass + ledger%ahead
+                    account%hourglass = account%hourglass + account%ahead
                 else
-                    ledger%artificial = ledger%artificial + ledger%ahead
+                    account%artificial = account%artificial + account%ahead
                 end if
-                ledger%ahead = 0
+                account%ahead = 0
             end associate
         end do
         do k = 1, size(solid%block, 2)
             associate (body => solid%bodies(solid%block(1, k)), sums => solid%search%sums(:, k))
-                body%ledger%viscous = body%ledger%viscous + sums(1)
-                body%ledger%early = body%ledger%early + (sums(1) + sums(7))/2
-                body%ledger%hourglass_heat = body%ledger%hourglass_heat + sums(7)
-                if (body%tension_hold > 0) body%ledger%hourglass = body%ledger%hourglass + sums(8)
+                body%account%viscous = body%account%viscous + sums(1)
+                body%account%early = body%account%early + (sums(1) + sums(7))/2
+                body%account%hourglass_heat = body%account%hourglass_heat + sums(7)
+                if (body%tension_hold > 0) body%account%hourglass = body%account%hourglass + sums(8)
                 if (body%artificial == artificial_none) then
-                    body%ledger%hourglass = body%ledger%hourglass + sums(2)
+                    body%account%hourglass = body%account%hourglass + sums(2)
                 else
-                    body%ledger%artificial = body%ledger%artificial + sums(2)
+                    body%account%artificial = body%account%artificial + sums(2)
                 end if
-                body%ledger%ahead = body%ledger%ahead + sums(6)
+                body%account%ahead = body%account%ahead + sums(6)
                 body%reaction = body%reaction + sums(3:5)
             end associate
         end do
@@ -253,7 +253,7 @@ contains
         end do
     end subroutine update_lengths
 
-    !> Use the sums of particle i: acceleration, heat, ledger of its block.
+    !> Use the sums of particle i: acceleration, heat, energy account of its block.
     !>
     !> The work against the hold is counted pair by pair, so that a body which flies has the heat of
     !> one at rest.

@@ -72,17 +72,17 @@ contains
         if (dt > 0) call book_work(solid)
     end subroutine gradient_pass
 
-    !> Add the work of the blocks to the ledgers of the bodies, in fixed order.
+    !> Add the work of the blocks to the energy accounts of the bodies, in fixed order.
     subroutine book_work(solid)
         type(solid_t), intent(inout) :: solid
         integer :: k
 
         do k = 1, size(solid%block, 2)
-            associate (ledger => solid%bodies(solid%block(1, k))%ledger)
-                ledger%plastic = ledger%plastic + solid%search%sums(1, k)
-                ledger%damage = ledger%damage + solid%search%sums(2, k)
-                ledger%clamped = ledger%clamped + solid%search%sums(3, k)
-                ledger%load = ledger%load + solid%search%sums(4, k)
+            associate (account => solid%bodies(solid%block(1, k))%account)
+                account%plastic = account%plastic + solid%search%sums(1, k)
+                account%damage = account%damage + solid%search%sums(2, k)
+                account%clamped = account%clamped + solid%search%sums(3, k)
+                account%load = account%load + solid%search%sums(4, k)
             end associate
         end do
     end subroutine book_work

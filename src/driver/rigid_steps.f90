@@ -7,7 +7,7 @@
 module brz_rigid_steps
     use brz_air_force, only: grip_of, load_of
     use brz_drive, only: begin_motion, book_drive, end_motion
-    use brz_energy_account, only: ledger_t
+    use brz_energy_account, only: energy_account_t
     use brz_force_loops, only: for_each_sum_region
     use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
@@ -33,14 +33,14 @@ contains
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
-        type(ledger_t) :: ledger
+        type(energy_account_t) :: was
         real(dp) :: load(6), omega(3), q_mid(4), reaction(3), v(3)
         integer :: b
 
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b), there => solid%bodies(b))
                 if (body%asleep) cycle
-                ledger = body%ledger
+                was = body%account
                 reaction = body%reaction
                 if (body%motion%n > 0) then
                     load = body%rigid%load
@@ -49,7 +49,7 @@ contains
                     body%rigid%load = load
                     body%rigid%p = body%rigid%mass*v
                     ! the work on free particles is in `book`, and added to this
-                    if (solid%on_gpu) call add_work(solid, b, body%ledger%load - ledger%load)
+                    if (solid%on_gpu) call add_work(solid, b, body%account%load - was%load)
                 end if
                 if (body%motion%n > 0 .and. body%formulation /= form_rigid) &
                     call for_each_drive_particle(solid%on_gpu, there%last - there%first + 1, there%first, &
@@ -60,7 +60,7 @@ contains
                 call for_each_place_rigid(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, &
                     pose_of(body%rigid, v, omega, q_mid), solid%x_ref, solid%x, solid%v, err)
                 if (solid%ranks%rank > 0) then
-                    body%ledger = ledger
+                    body%account = was
                     body%reaction = reaction
                 end if
             end associate
@@ -73,7 +73,7 @@ contains
         integer, intent(in) :: b
         real(dp), intent(in) :: work !! [J]
 
-        solid%device%ledger(b)%load = solid%device%ledger(b)%load + work
+        solid%device%account(b)%load = solid%device%account(b)%load + work
     end subroutine add_work
 
     !> Carry the regions of body b along that are moved.
@@ -82,15 +82,15 @@ contains
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
-        type(ledger_t) :: ledger
+        type(energy_account_t) :: was
         real(dp) :: v(3)
         integer :: m
 
         associate (body => solid%bodies(b), there => solid%bodies(b))
             do m = 1, size(body%regions)
-                ledger = body%ledger
-                call begin_motion(body%regions(m), solid%time, dt, v, ledger)
-                if (solid%ranks%rank == 0) body%ledger = ledger
+                was = body%account
+                call begin_motion(body%regions(m), solid%time, dt, v, was)
+                if (solid%ranks%rank == 0) body%account = was
                 call for_each_drive_particle(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, m, &
                     dt, v(1), v(2), v(3), solid%fixed, solid%x, solid%v, err)
             end do
@@ -203,7 +203,7 @@ contains
                     solid%step_d, solid%step_p, dt, v(1), v(2), v(3), solid%fixed, solid%v, solid%a, err)
             end if
             if (body%formulation == form_rigid .and. solid%ranks%rank > 0) return
-            body%ledger%drive = body%ledger%drive - dt/2*dot_product( &
+            body%account%drive = body%account%drive - dt/2*dot_product( &
                 body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))
         end associate
     end subroutine balance_drive
@@ -215,7 +215,7 @@ contains
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
-        type(ledger_t) :: ledger
+        type(energy_account_t) :: was
         real(dp) :: sums(6), v(3), work
         integer :: m
 
@@ -224,9 +224,9 @@ contains
                 call for_each_sum_region(solid%on_gpu, there%last - there%first + 1, solid%ranks, there%first, m, &
                     solid%step_d, solid%step_p, merge(1, 0, allocated(solid%load)), solid%fixed, &
                     load_of(solid), grip_of(solid), sums, err)
-                ledger = body%ledger
-                call end_motion(body%regions(m), solid%time, dt, sums, ledger, work)
-                if (solid%ranks%rank == 0) body%ledger = ledger
+                was = body%account
+                call end_motion(body%regions(m), solid%time, dt, sums, was, work)
+                if (solid%ranks%rank == 0) body%account = was
                 ! the work on free particles is in `book`, and added to this
                 if (solid%on_gpu .and. solid%ranks%rank == 0) call add_work(solid, b, work)
                 v = velocity_of(body%regions(m), solid%time)

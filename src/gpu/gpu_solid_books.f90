@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Numbers about all particles on the GPU: ledgers, extents, time step. Folded in a fixed order.
+!> Numbers about all particles on the GPU: energy accounts, extents, time step. Folded in a fixed
+!> order.
 module brz_gpu_solid_books
     use brz_buffers, only: doubles_t, from
     use brz_device, only: clear_buffer
@@ -19,7 +20,7 @@ module brz_gpu_solid_books
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: add_held_impulse, boxes_of_all, fetch_ledgers, fetch_limit, find_extent, &
+    public :: add_held_impulse, boxes_of_all, fetch_accounts, fetch_limit, find_extent, &
         forget_gone, note_boxes, sum_states
 
 contains
@@ -65,8 +66,8 @@ contains
         call gpu%common%fold(gpu%partial, m, n_book, set, err)
     end subroutine fold_book
 
-    !> Bring the ledgers and the reactions of all bodies up to date.
-    subroutine fetch_ledgers(gpu, solid, err)
+    !> Bring the energy accounts and the reactions of all bodies up to date.
+    subroutine fetch_accounts(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
@@ -80,46 +81,47 @@ contains
         call gpu%common%read_sums(books, err)
         if (failed(err)) return
         do b = 1, size(gpu%bodies)
-            call fill_ledger(gpu, b, books(:, b), solid)
+            call fill_account(gpu, b, books(:, b), solid)
         end do
         gpu%summed = .true.
-    end subroutine fetch_ledgers
+    end subroutine fetch_accounts
 
-    !> Ledger of body b from what it was when the GPU took over and from the sums of `book`.
-    subroutine fill_ledger(gpu, b, book, solid)
+    !> Energy account of body b from what it was when the GPU took over and from the sums of `book`.
+    subroutine fill_account(gpu, b, book, solid)
         type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: b
         real(dp), intent(in) :: book(n_book)
         type(solid_t), intent(inout) :: solid
 
-        associate (ledger => solid%bodies(b)%ledger, before => gpu%ledger(b))
-            ledger%viscous = before%viscous + book(book_viscous)
-            ledger%hourglass_heat = before%hourglass_heat + book(book_friction)
-            ledger%plastic = before%plastic + book(book_plastic)
-            ledger%damage = before%damage + book(book_damage)
-            ledger%clamped = before%clamped + book(book_clamped)
-            if (.not. gpu%bodies(b)%rigid) ledger%load = before%load + book(book_load)
-            ledger%ahead = book(book_ahead)
-            ledger%early = 0
-            if (.not. solid%bodies(b)%asleep) ledger%early = book(book_early)
+        associate (account => solid%bodies(b)%account, before => gpu%account(b))
+            account%viscous = before%viscous + book(book_viscous)
+            account%hourglass_heat = before%hourglass_heat + book(book_friction)
+            account%plastic = before%plastic + book(book_plastic)
+            account%damage = before%damage + book(book_damage)
+            account%clamped = before%clamped + book(book_clamped)
+            if (.not. gpu%bodies(b)%rigid) account%load = before%load + book(book_load)
+            account%ahead = book(book_ahead)
+            account%early = 0
+            if (.not. solid%bodies(b)%asleep) account%early = book(book_early)
             if (gpu%linked .and. .not. solid%bodies(b)%asleep) &
-                ledger%early = ledger%early + book(book_contact_early)
-            if (gpu%linked) ledger%contact = book(book_contact)
-            ledger%contact_heat = before%contact_heat + book(book_contact_heat)
-            ledger%friction = before%friction + book(book_rub)
+                account%early = account%early + book(book_contact_early)
+            if (gpu%linked) account%contact = book(book_contact)
+            account%contact_heat = before%contact_heat + book(book_contact_heat)
+            account%friction = before%friction + book(book_rub)
             if (gpu%bodies(b)%drawn) then
-                ledger%hourglass = book(book_stiff)
+                account%hourglass = book(book_stiff)
             else if (solid%bodies(b)%artificial == artificial_none) then
-                ledger%hourglass = before%hourglass + before%ahead + book(book_stiff) - ledger%ahead
+                account%hourglass = before%hourglass + before%ahead + book(book_stiff) - &
+                    account%ahead
             else
-                ledger%artificial = before%artificial + before%ahead + book(book_stiff) &
-                    - ledger%ahead
+                account%artificial = before%artificial + before%ahead + book(book_stiff) &
+                    - account%ahead
             end if
             if (solid%bodies(b)%motion%n == 0 .and. .not. gpu%bodies(b)%rigid) &
                 solid%bodies(b)%reaction = &
                 gpu%reaction(:, b) + book(book_force + 1:book_force + 3)
         end associate
-    end subroutine fill_ledger
+    end subroutine fill_account
 
     !> Add the mean force of body b on what holds it in the last pass 2, and book its impulse.
     subroutine add_held_impulse(gpu, solid, b, dt, force, err)

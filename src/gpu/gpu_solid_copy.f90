@@ -51,7 +51,7 @@ contains
         if (failed(err)) return
         call open_gpu_bodies(solid, gpu, err)
         do b = 1, size(solid%bodies)
-            gpu%ledger(b) = solid%bodies(b)%ledger
+            gpu%account(b) = solid%bodies(b)%account
             gpu%reaction(:, b) = solid%bodies(b)%reaction
         end do
         call carry_fields(gpu, solid, .true., err)

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Pass 2 on the GPU: accelerations by the internal forces, heat of the viscous ones, ledgers.
+!> Pass 2 on the GPU: accelerations by the internal forces, heat of the viscous ones, energy
+!> accounts.
 module brz_gpu_solid_forces
     use brz_device, only: side_by_side
     use brz_errors, only: error_t
@@ -14,7 +15,7 @@ module brz_gpu_solid_forces
 
 contains
 
-    !> Heat and ledgers are those over dt, the step just made.
+    !> Heat and energy accounts are those over dt, the step just made.
     subroutine force_pass(gpu, solid, dt, err)
         type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid

@@ -11,7 +11,7 @@ module brz_gpu_solid_home
     use brz_gpu_solid_layout, only: n_book, slice_width
     use brz_gpu_solid_state, only: book_of
     use brz_solid_device, only: solid_device_t
-    use brz_gpu_solid_books, only: fetch_ledgers, find_extent
+    use brz_gpu_solid_books, only: fetch_accounts, find_extent
     use brz_home_launches, only: home_kernels
     use brz_kinds, only: dp, int64
     use brz_places, only: parcels_t
@@ -147,10 +147,10 @@ contains
         integer :: b, c
 
         gpu%summed = .false.
-        call fetch_ledgers(gpu, solid, err)
+        call fetch_accounts(gpu, solid, err)
         do b = 1, size(changed)
             if (.not. changed(b)) cycle
-            gpu%ledger(b) = solid%bodies(b)%ledger
+            gpu%account(b) = solid%bodies(b)%account
             gpu%reaction(:, b) = solid%bodies(b)%reaction
             do c = 1, n_book
                 call clear_buffer(from(book_of(gpu, c), int(gpu%bodies(b)%first, int64)), err, &

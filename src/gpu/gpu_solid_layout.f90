@@ -11,8 +11,8 @@
 !>     held(n_held, n)  the hold, where bodies have it, slots of brz_solid_state; in pass 1 the sums
 !>                      S of brz_tension_hold in 1..6, then F in held_affine and what is named below
 !> What only the particle itself reads lies column by column: state(n, ...), tag(n, ...), and
-!> book(n, ...), whose sums over a body are its ledger. There n is a few places more than there
-!> are, so that every column begins on a whole row of memory, see whole_lanes.
+!> book(n, ...), whose sums over a body are its energy account. There n is a few places more than
+!> there are, so that every column begins on a whole row of memory, see whole_lanes.
 module brz_gpu_solid_layout
     use brz_body_numbers, only: body_numbers_t
     use brz_force_layout, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_terms
@@ -48,7 +48,7 @@ module brz_gpu_solid_layout
     integer, parameter :: book_contact_heat = 11, book_rub = 12 !! heat of contact, of friction
     integer, parameter :: book_load = 13 !! work of the load
     integer, parameter :: book_clamped = 14 !! steps at the edge of the material's range
-    integer, parameter :: book_early = 15 !! heat of the half step to come, see ledger_t
+    integer, parameter :: book_early = 15 !! heat of the half step to come, see energy_account_t
     integer, parameter :: book_contact_early = 16 !! the same of contact
     integer, parameter :: n_book = 16
 

@@ -62,7 +62,7 @@ contains
         call require(device, solid, gpu, err)
         if (failed(err)) return
         call gpu%common%open(max(n_book, n_sum), size(solid%bodies), err)
-        allocate (gpu%bodies(size(solid%bodies)), gpu%ledger(size(solid%bodies)), &
+        allocate (gpu%bodies(size(solid%bodies)), gpu%account(size(solid%bodies)), &
                   gpu%reaction(3, size(solid%bodies)))
         do b = 1, size(solid%bodies)
             gpu%bodies(b)%first = solid%bodies(b)%first

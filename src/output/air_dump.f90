@@ -5,7 +5,7 @@
 !> parts as one.
 !>
 !> Cells that hold solid carry `solid` = 1 and the state of the undisturbed air: what the solver
-!> keeps there is a ledger, not a state. A direction that is not modelled is one cell thick (VTK
+!> keeps there is a cell store, not a state. A direction that is not modelled is one cell thick (VTK
 !> cannot read cells of a flat image), the whole box: volumes and masses of cells are the real ones.
 !> The field data hold what is needed besides for the temperature and the speed of sound: the ratios
 !> of the specific heats, and the undisturbed air.

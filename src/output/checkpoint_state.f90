@@ -11,7 +11,7 @@ module brz_checkpoint_state
     use brz_carry, only: carry
     use brz_clock, only: clock_t, resume_clock
     use brz_coupling_state, only: coupling_t
-    use brz_energy_account, only: ledger_t
+    use brz_energy_account, only: energy_account_t
     use brz_errors, only: error_t, failed
     use brz_hdf5_array, only: h5_shape
     use brz_hdf5_file, only: h5_has, h5_t
@@ -155,12 +155,12 @@ contains
     end subroutine carry_field
 
     !> The sums that each body keeps: its reaction, its impulse and, whatever components it may
-    !> get, its ledger.
+    !> get, its energy account.
     subroutine carry_bodies(file, solid, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        type(ledger_t), parameter :: empty = ledger_t()
+        type(energy_account_t), parameter :: empty = energy_account_t()
         integer, parameter :: n = size(transfer(empty, [0.0_dp])) ! all components are real(dp)
         real(dp) :: sums(6 + n, size(solid%bodies)), limit(size(solid%bodies))
         integer(int8) :: asleep(size(solid%bodies))
@@ -168,7 +168,7 @@ contains
 
         do b = 1, size(solid%bodies)
             sums(1:6, b) = [solid%bodies(b)%reaction, solid%bodies(b)%impulse]
-            sums(7:, b) = transfer(solid%bodies(b)%ledger, sums(7:, b))
+            sums(7:, b) = transfer(solid%bodies(b)%account, sums(7:, b))
         end do
         limit = solid%bodies%dt_limit
         asleep = merge(1_int8, 0_int8, solid%bodies%asleep)
@@ -178,7 +178,7 @@ contains
         do b = 1, size(solid%bodies)
             solid%bodies(b)%reaction = sums(1:3, b)
             solid%bodies(b)%impulse = sums(4:6, b)
-            solid%bodies(b)%ledger = transfer(sums(7:, b), empty)
+            solid%bodies(b)%account = transfer(sums(7:, b), empty)
         end do
         solid%bodies%dt_limit = limit
         solid%bodies%asleep = asleep == 1

@@ -84,7 +84,7 @@ contains
             call time_one(whole, dt, solid, err, best)
         end do
         if (failed(err)) error stop err%text
-        if (scene%model == 'johnson_cook' .and. .not. solid%bodies(1)%ledger%plastic > 0) &
+        if (scene%model == 'johnson_cook' .and. .not. solid%bodies(1)%account%plastic > 0) &
             error stop 'the metal did not yield'
         best = best/solid%n
         best(material) = best(material) - best(gradients)

@@ -6,7 +6,7 @@ module gpu_coupled_scene
     use brz_coupling_copy, only: open_gpu_coupling
     use brz_coupling_setup, only: couple
     use brz_coupling_state, only: coupling_t
-    use brz_debt_steps, only: ledger_totals
+    use brz_debt_steps, only: stored_totals
     use brz_device, only: copy_in, device_t
     use brz_device_data, only: update_device
     use brz_errors, only: error_t, failed
@@ -108,7 +108,7 @@ contains
         call stir_gas(air, 0)
     end subroutine make_air
 
-    !> New gas everywhere; in solid cells ledgers in and out of their band.
+    !> New gas everywhere; in solid cells energy accounts in and out of their band.
     subroutine stir_gas(air, seed, solid)
         type(air_t), intent(inout) :: air
         integer, intent(in) :: seed
@@ -251,14 +251,14 @@ contains
         end do
     end subroutine shake
 
-    !> Gas, ledgers and debts on the GPU.
+    !> Gas, energy accounts and debts on the GPU.
     subroutine stock(s, all, kept, products)
         type(both_t), intent(inout) :: s
         real(dp), intent(out) :: all(5), kept(5), products
         real(dp) :: totals(0:6)
 
         call gpu_air_totals(s%other%device, s%other, totals, s%err)
-        call ledger_totals(s%other, s%far, kept, products, s%err)
+        call stored_totals(s%other, s%far, kept, products, s%err)
         all = totals(1:5) + kept
     end subroutine stock
 

@@ -84,7 +84,7 @@ contains
         type(solid_totals_t) :: s
 
         call solid_totals(scene%sim%solid, 0, s)
-        associate (work => sum(scene%sim%solid%bodies%ledger%drive))
+        associate (work => sum(scene%sim%solid%bodies%account%drive))
             error = (s%kinetic + s%internal + s%hourglass - work)/work
         end associate
     end function energy_error

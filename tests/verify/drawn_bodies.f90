@@ -88,7 +88,7 @@ contains
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: start !! energy at the start [J]
 
-        associate (work => sum(solid%bodies%ledger%drive))
+        associate (work => sum(solid%bodies%account%drive))
             error = (total(solid) - start - work)/work
         end associate
     end function error_of_work
@@ -119,18 +119,18 @@ contains
                 call advance_scene(sim, scene%err)
                 if (failed(scene%err)) exit
                 if (from(1) < 0 .and. sim%clock%time*rate > last/2) &
-                    from = [sim%clock%time, sum(solid%bodies%ledger%drive)]
+                    from = [sim%clock%time, sum(solid%bodies%account%drive)]
             end do
             found%ended = failed(scene%err)
             allocate (middle(solid%n))
             call look(solid, half/2, middle, strain)
             found%stress = sum(solid%stress(1, :), middle)/count(middle) &
                            /law(log(1 + strain), rate/(1 + strain))
-            found%force = (sum(solid%bodies%ledger%drive) - from(2)) &
+            found%force = (sum(solid%bodies%account%drive) - from(2)) &
                           /((sim%clock%time - from(1))*rate*half*0.012_dp**2) &
                           /nominal(0.75_dp*last, rate)
             found%energy = error_of_work(solid, start)
-            found%hourglass = sum(solid%bodies%ledger%hourglass)/sum(solid%bodies%ledger%drive)
+            found%hourglass = sum(solid%bodies%account%hourglass)/sum(solid%bodies%account%drive)
         end associate
     end subroutine rebar
 
@@ -218,7 +218,7 @@ contains
                 peak = max(peak, sum(real(solid%stress(1, :), dp), far)/count(far))
             end do
             call solid_totals(solid, 0, t)
-            work = sum(solid%bodies%ledger%drive) + start - t%kinetic
+            work = sum(solid%bodies%account%drive) + start - t%kinetic
             if (failed(scene%err)) work = huge(work)
         end associate
     end subroutine strip
@@ -237,7 +237,7 @@ contains
                 call advance_scene(sim, scene%err)
                 if (failed(scene%err)) exit
             end do
-            work = 2*sim%solid%bodies(1)%ledger%drive/ligament/energy
+            work = 2*sim%solid%bodies(1)%account%drive/ligament/energy
             ended = failed(scene%err)
         end associate
     end subroutine crack

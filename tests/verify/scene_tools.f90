@@ -7,7 +7,7 @@ module scene_tools
     use brz_key, only: key_t
     use brz_key_table, only: all_keys
     use brz_kinds, only: dp
-    use brz_ledger, only: ledger_start_t, balance_t, take_stock
+    use brz_conservation_audit, only: audit_start_t, balance_t, take_stock
     use brz_ranks, only: ranks_t
     use brz_scanner, only: read_deck
     use brz_simulation, only: simulation_t
@@ -22,7 +22,7 @@ module scene_tools
     type :: deck_scene_t
         type(simulation_t) :: sim
         type(error_t) :: err
-        type(balance_t) :: ledger !! after the last step
+        type(balance_t) :: audit !! after the last step
         real(dp) :: momentum(3) = 0 !! of the bodies at the start [N s]
         real(dp) :: mass_error = 0, momentum_error = 0 !! of the air, the worst of all steps
         real(dp) :: stray = 0
@@ -62,7 +62,7 @@ contains
         if (scene%sim%solid%present) call solid_totals(scene%sim%solid, 0, sums)
         scene%momentum = sums%momentum
         call take_stock(0.0_dp, scene%sim%backend, scene%sim%air, scene%sim%solid, &
-            scene%sim%coupling, scene%sim%start, scene%ledger, scene%err)
+            scene%sim%coupling, scene%sim%start, scene%audit, scene%err)
     end subroutine open_deck
 
     !> One step, and the books.
@@ -74,10 +74,10 @@ contains
             call advance(sim, scene%err)
             if (failed(scene%err)) error stop scene%err%text
             call take_stock(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, &
-                sim%start, scene%ledger, scene%err)
+                sim%start, scene%audit, scene%err)
             if (sim%solid%present) call solid_totals(sim%solid, 0, sums)
-            scene%mass_error = max(scene%mass_error, abs(scene%ledger%mass_error))
-            scene%momentum_error = max(scene%momentum_error, scene%ledger%momentum_error)
+            scene%mass_error = max(scene%mass_error, abs(scene%audit%mass_error))
+            scene%momentum_error = max(scene%momentum_error, scene%audit%momentum_error)
             if (sim%solid%present) scene%stray = max(scene%stray, &
                 norm2(sums%momentum - scene%momentum - sim%coupling%books%impulse))
             scene%thrust = max(scene%thrust, sqrt(2*sums%mass*sums%kinetic))

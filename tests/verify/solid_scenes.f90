@@ -142,8 +142,8 @@ contains
         seen%seconds = now - s%start
         seen%particle_steps = real(s%solid%n, dp)*real(s%solid%steps, dp)
         seen%ended = failed(s%err)
-        scale = max(abs(s%energy), abs(sum(s%solid%bodies%ledger%load)), tiny(scale))
-        seen%energy = (total(s%solid) - sum(s%solid%bodies%ledger%load) - s%energy)/scale
+        scale = max(abs(s%energy), abs(sum(s%solid%bodies%account%load)), tiny(scale))
+        seen%energy = (total(s%solid) - sum(s%solid%bodies%account%load) - s%energy)/scale
         call links(s%solid, seen%longest, seen%shortest)
     end subroutine finish
 

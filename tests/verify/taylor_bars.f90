@@ -84,8 +84,8 @@ contains
         call advance(s, bar%time)
         call finish(s, seen)
         call solid_totals(s%solid, 0, t)
-        shape%viscous = sum(s%solid%bodies%ledger%viscous &
-                            + s%solid%bodies%ledger%hourglass_heat)/shape%kinetic
+        shape%viscous = sum(s%solid%bodies%account%viscous &
+                            + s%solid%bodies%account%hourglass_heat)/shape%kinetic
         shape%kinetic = t%kinetic/shape%kinetic
         shape%error = seen%energy
         shape%seconds = seen%seconds

@@ -71,7 +71,7 @@ module brz_air_state
         logical :: on_gpu = .false. !! it is computed there; the arrays below are fetched
         type(air_device_t), pointer :: device => null() !! what it has there besides
         logical :: activity = .false. !! leave out what nothing has reached
-        real(rk), allocatable :: u(:, :, :, :) !! conserved variables; in solid cells the ledger
+        real(rk), allocatable :: u(:, :, :, :) !! conserved variables; in solid cells the cell store
         real(rk), allocatable :: u_start(:, :, :, :) !! u at the start of the step (ghosts unused)
         real(rk), allocatable :: rate(:, :, :, :)
         !! du/dt of the stage (ghosts unused: all three alike, so that one index serves)

@@ -37,13 +37,13 @@ contains
         call exact_sums(air%part%ranks, air%brick_sum, sums(:air%n_var))
     end subroutine gas_sums
 
-    !> Mass, momentum and energy of the gas and of the ledgers of the solid cells, of all processes;
-    !> kinetic energy of the gas, products in gas and ledgers.
-    subroutine air_totals(air, wall, gas, ledger, kinetic, products)
+    !> Mass, momentum and energy of the gas and of the cell stores of the solid cells, of all
+    !> processes; kinetic energy of the gas, products in gas and cell stores.
+    subroutine air_totals(air, wall, gas, stored, kinetic, products)
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(wall_t), intent(in) :: wall
         real(dp), intent(out) :: gas(5) !! [kg, kg m/s, J]
-        real(dp), intent(out) :: ledger(5) !! [kg, kg m/s, J]
+        real(dp), intent(out) :: stored(5) !! [kg, kg m/s, J]
         real(dp), intent(out), optional :: kinetic !! [J]
         real(dp), intent(out), optional :: products !! of explosives [kg]
         real(dp) :: sums(0:6), kept(6, wall%n_cells), total(6)
@@ -62,7 +62,7 @@ contains
             call exact_sums(air%part%ranks, kept, total)
         end if
         gas = sums(1:5)*product(air%dx)
-        ledger = total(1:5)*product(air%dx)
+        stored = total(1:5)*product(air%dx)
         if (present(kinetic)) kinetic = sums(0)*product(air%dx)
         if (present(products)) products = (sums(6) + total(6))*product(air%dx)
     end subroutine air_totals

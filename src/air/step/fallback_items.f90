@@ -110,7 +110,7 @@ contains
 
     !> Add the rates by the two faces of direction d.
     !>
-    !> The pressure on its walls, and the work of it, do not go into the ledger of a solid cell.
+    !> The pressure on its walls, and the work of it, do not go into the cell store of a solid cell.
     !@cuf attributes(host,device) &
     pure subroutine add_faces(d, pass, grid, scheme, stage, i, j, k, u, rate, bad, edge, solid, &
         cell_of, wall_v, face_of, push)

@@ -26,7 +26,7 @@ module brz_contact_items
     ! what push_particle keeps in the books of a particle [J]
     integer, parameter :: kept_energy = 1 !! that contact holds now
     integer, parameter :: kept_heat = 2, kept_rub = 3 !! heat of contact, of friction
-    integer, parameter :: kept_early = 4 !! heat of the half step to come, see ledger_t
+    integer, parameter :: kept_early = 4 !! heat of the half step to come, see energy_account_t
     integer, parameter :: n_kept = 4
 
 contains

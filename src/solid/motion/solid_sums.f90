@@ -54,15 +54,15 @@ contains
             end associate
         end do
         if (b == 0) then
-            totals%hourglass = sum(solid%bodies%ledger%hourglass)
-            totals%artificial = sum(solid%bodies%ledger%artificial)
-            totals%contact = sum(solid%bodies%ledger%contact)
-            totals%internal = totals%internal - sum(solid%bodies%ledger%early)
+            totals%hourglass = sum(solid%bodies%account%hourglass)
+            totals%artificial = sum(solid%bodies%account%artificial)
+            totals%contact = sum(solid%bodies%account%contact)
+            totals%internal = totals%internal - sum(solid%bodies%account%early)
         else
-            totals%hourglass = solid%bodies(b)%ledger%hourglass
-            totals%artificial = solid%bodies(b)%ledger%artificial
-            totals%contact = solid%bodies(b)%ledger%contact
-            totals%internal = totals%internal - solid%bodies(b)%ledger%early
+            totals%hourglass = solid%bodies(b)%account%hourglass
+            totals%artificial = solid%bodies(b)%account%artificial
+            totals%contact = solid%bodies(b)%account%contact
+            totals%internal = totals%internal - solid%bodies(b)%account%early
         end if
     end subroutine totals_of_sums
 

@@ -2,7 +2,7 @@
 !> Work of the prescribed motion of a body.
 module brz_drive
     use brz_body, only: body_t
-    use brz_energy_account, only: ledger_t
+    use brz_energy_account, only: energy_account_t
     use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
     use brz_motion, only: mean_velocity, motion_t, velocity_of
@@ -22,35 +22,35 @@ contains
         real(dp), intent(out) :: v(3) !! mean velocity in it [m/s]
         real(dp) :: work
 
-        call begin_motion(body%motion, time, dt, v, body%ledger)
+        call begin_motion(body%motion, time, dt, v, body%account)
         if (body%formulation == form_rigid) return
         work = dt*dot_product(body%rigid%load(1:3), v)
-        body%ledger%load = body%ledger%load + work
-        body%ledger%drive = body%ledger%drive - work
+        body%account%load = body%account%load + work
+        body%account%drive = body%account%drive - work
     end subroutine book_drive
 
     !> Work of what moves a body, or a region of it, in a step to come: its kinetic energy, less
     !> half of the step by the force of the body on it at the start.
-    pure subroutine begin_motion(motion, time, dt, v, ledger)
+    pure subroutine begin_motion(motion, time, dt, v, account)
         type(motion_t), intent(in) :: motion
         real(dp), intent(in) :: time, dt !! start and length of the step [s]
         real(dp), intent(out) :: v(3) !! mean velocity in it [m/s]
-        type(ledger_t), intent(inout) :: ledger
+        type(energy_account_t), intent(inout) :: account
         real(dp) :: before(3), after(3)
 
         v = mean_velocity(motion, time, dt)
         before = merge(velocity_of(motion, time), 0.0_dp, motion%along)
         after = merge(velocity_of(motion, time + dt), 0.0_dp, motion%along)
-        ledger%drive = ledger%drive - dt/2*dot_product(motion%force, v) &
+        account%drive = account%drive - dt/2*dot_product(motion%force, v) &
             + motion%mass/2*(dot_product(after, after) - dot_product(before, before))
     end subroutine begin_motion
 
     !> The other half, and the work of the load, which acted all through the step.
-    pure subroutine end_motion(motion, time, dt, sums, ledger, work)
+    pure subroutine end_motion(motion, time, dt, sums, account, work)
         type(motion_t), intent(inout) :: motion
         real(dp), intent(in) :: time, dt !! end and length of the step [s]
         real(dp), intent(in) :: sums(6) !! of brz_force_items: sum_region
-        type(ledger_t), intent(inout) :: ledger
+        type(energy_account_t), intent(inout) :: account
         real(dp), intent(out) :: work !! of the load [J]
         real(dp) :: v(3)
 
@@ -58,8 +58,8 @@ contains
         motion%force = sums(1:3) - sums(4:6)
         motion%grip = sums(1:3)
         work = dt*dot_product(sums(4:6), v)
-        ledger%load = ledger%load + work
-        ledger%drive = ledger%drive - dt/2*dot_product(motion%force, v) - work
+        account%load = account%load + work
+        account%drive = account%drive - dt/2*dot_product(motion%force, v) - work
     end subroutine end_motion
 
     !> Add the mean force of body b on what holds it, as pass 2 has summed it up block by block.

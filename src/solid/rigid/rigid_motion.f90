@@ -31,8 +31,8 @@ contains
             call turn(b, dt, omega, q_mid)
             v = b%p/b%mass
             work = dt/2*(dot_product(force, v + before) + dot_product(torque, omega + b%spin))
-            body%ledger%load = body%ledger%load + work
-            if (body%motion%n > 0) body%ledger%drive = body%ledger%drive - work
+            body%account%load = body%account%load + work
+            if (body%motion%n > 0) body%account%drive = body%account%drive - work
             body%reaction = body%reaction + dt*force*(1 - b%moves)
             b%spin = omega
             b%x = b%x + dt*v

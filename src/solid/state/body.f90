@@ -2,7 +2,7 @@
 !> A body: which particles it has, of what, and what happened to it as a whole.
 module brz_body
     use brz_body_numbers, only: body_numbers_t
-    use brz_energy_account, only: ledger_t
+    use brz_energy_account, only: energy_account_t
     use brz_kept_cells, only: kept_cells_t
     use brz_kinds, only: dp, rk
     use brz_motion, only: motion_t
@@ -47,7 +47,7 @@ module brz_body
         real(dp) :: dt_limit = 0 !! largest stable time step times the CFL number [s]
         real(dp) :: reaction(3) = 0 !! impulse that the held particles took up so far [N s]
         real(dp) :: impulse(3) = 0 !! of the load so far, where a gauge asks for it [N s]
-        type(ledger_t) :: ledger
+        type(energy_account_t) :: account
         type(rigid_t) :: rigid !! of a rigid body
         type(motion_t) :: motion !! that is prescribed
         type(motion_t), allocatable :: regions(:) !! those of regions of it; none if not allocated

@@ -4,10 +4,10 @@ module brz_energy_account
     use brz_kinds, only: dp
     implicit none
     private
-    public :: ledger_t
+    public :: energy_account_t
 
     !> What one body has done with its energy so far, all in J.
-    type :: ledger_t
+    type :: energy_account_t
         real(dp) :: viscous = 0 !! heat by artificial viscosity
         real(dp) :: hourglass_heat = 0 !! heat by the viscous hourglass force and by the hold
         real(dp) :: hourglass = 0 !! energy held by (or fed to) the stiff hourglass force
@@ -22,5 +22,5 @@ module brz_energy_account
         real(dp) :: friction = 0 !! heat of friction
         real(dp) :: drive = 0 !! work of prescribed motion
         real(dp) :: clamped = 0 !! no energy: particle steps at the edge of the material's range
-    end type ledger_t
+    end type energy_account_t
 end module brz_energy_account

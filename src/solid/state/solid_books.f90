@@ -2,7 +2,7 @@
 !> Accumulated diagnostics, the books, of bodies that several processes share: each process books
 !> what its particles do.
 module brz_solid_books
-    use brz_energy_account, only: ledger_t
+    use brz_energy_account, only: energy_account_t
     use brz_exact_sum, only: exact_sums
     use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
@@ -15,12 +15,13 @@ module brz_solid_books
     public :: books_t, open_all_books, close_all_books, keep_books_of_first, begin_kick
     public :: book_drag, book_work
 
-    type(ledger_t), parameter :: empty = ledger_t()
-    integer, parameter :: n_ledger = size(transfer(empty, [0.0_dp])) !! all components are real(dp)
+    type(energy_account_t), parameter :: empty = energy_account_t()
+    integer, parameter :: n_account = size(transfer(empty, [0.0_dp])) !! all components are real(dp)
 
     !> What this process has booked itself.
     type :: books_t
-        real(dp), allocatable :: own(:, :) !! (6 + ledger, bodies) reaction, drive, ledger
+        real(dp), allocatable :: own(:, :) !! (6 + energy account, bodies) reaction, drive, energy
+                                           !! account
     end type books_t
 
 contains
@@ -29,12 +30,12 @@ contains
     subroutine open_all_books(solid, books)
         type(solid_t), intent(inout) :: solid
         type(books_t), intent(out) :: books
-        real(dp) :: total((6 + n_ledger)*size(solid%bodies))
-        real(dp) :: terms(6 + n_ledger, size(solid%bodies))
+        real(dp) :: total((6 + n_account)*size(solid%bodies))
+        real(dp) :: terms(6 + n_account, size(solid%bodies))
         integer :: b
 
         if (.not. several(solid%ranks)) return
-        allocate (books%own(6 + n_ledger, size(solid%bodies)))
+        allocate (books%own(6 + n_account, size(solid%bodies)))
         call look(solid, books%own)
         terms = books%own
         do b = 1, size(solid%bodies) ! all processes know the force that drives a rigid body
@@ -75,8 +76,8 @@ contains
             end do
         end do
         do k = 1, size(solid%block, 2)
-            associate (ledger => solid%bodies(solid%block(1, k))%ledger)
-                ledger%load = ledger%load + solid%search%sums(1, k)
+            associate (account => solid%bodies(solid%block(1, k))%account)
+                account%load = account%load + solid%search%sums(1, k)
             end associate
         end do
     end subroutine book_work
@@ -89,7 +90,7 @@ contains
 
         associate (body => solid%bodies(b))
             do i = body%first, body%last
-                body%ledger%contact_heat = body%ledger%contact_heat + solid%work(i)
+                body%account%contact_heat = body%account%contact_heat + solid%work(i)
                 solid%work(i) = 0
             end do
         end associate
@@ -106,7 +107,7 @@ contains
     !> After a restart, which gives all processes the books of all: the first one keeps them.
     subroutine keep_books_of_first(solid)
         type(solid_t), intent(inout) :: solid
-        real(dp) :: nothing(6 + n_ledger, size(solid%bodies))
+        real(dp) :: nothing(6 + n_account, size(solid%bodies))
         integer :: b
 
         if (solid%ranks%rank == 0) return
@@ -120,25 +121,25 @@ contains
 
     pure subroutine look(solid, books)
         type(solid_t), intent(in) :: solid
-        real(dp), intent(out) :: books(:, :) !! (6 + ledger, bodies)
+        real(dp), intent(out) :: books(:, :) !! (6 + energy account, bodies)
         integer :: b
 
         do b = 1, size(solid%bodies)
             books(1:3, b) = solid%bodies(b)%reaction
             books(4:6, b) = solid%bodies(b)%motion%force
-            books(7:, b) = transfer(solid%bodies(b)%ledger, books(7:, b))
+            books(7:, b) = transfer(solid%bodies(b)%account, books(7:, b))
         end do
     end subroutine look
 
     pure subroutine write_down(solid, books)
         type(solid_t), intent(inout) :: solid
-        real(dp), intent(in) :: books(:, :) !! (6 + ledger, bodies)
+        real(dp), intent(in) :: books(:, :) !! (6 + energy account, bodies)
         integer :: b
 
         do b = 1, size(solid%bodies)
             solid%bodies(b)%reaction = books(1:3, b)
             solid%bodies(b)%motion%force = books(4:6, b)
-            solid%bodies(b)%ledger = transfer(books(7:, b), empty)
+            solid%bodies(b)%account = transfer(books(7:, b), empty)
         end do
     end subroutine write_down
 end module brz_solid_books

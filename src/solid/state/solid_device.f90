@@ -4,7 +4,7 @@
 module brz_solid_device
     use brz_buffers, only: buffer_t, doubles_t, integers_t, reals_t
     use brz_device, only: kernel_t
-    use brz_energy_account, only: ledger_t
+    use brz_energy_account, only: energy_account_t
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_parcels, only: gpu_parcels_t
     use brz_kinds, only: dp, int64, rk
@@ -84,7 +84,7 @@ module brz_solid_device
     type :: solid_device_t
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
         logical :: stepped = .false. !! the GPU has made a step
-        logical :: summed = .false. !! the ledgers are those of the present state
+        logical :: summed = .false. !! the energy accounts are those of the present state
         logical :: settled = .true. !! bodies lie in the host arrays as they do here
         integer(int64) :: laid = 0 !! how often particles of several processes got other places
         logical :: linked = .false., bonded = .false. !! bodies meet; some are bonded
@@ -93,7 +93,7 @@ module brz_solid_device
         integer :: n = 0, n_state = 0 !! places of particles, columns of `state`
         type(columns_t) :: column
         type(body_device_t), allocatable :: bodies(:)
-        type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
+        type(energy_account_t), allocatable :: account(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
         type(doubles_t) :: sorted !! positions that lists are built for, cell by cell: order_cells
         type(doubles_t) :: place, reference, built, book, rate, region, partial, sums_of_forces

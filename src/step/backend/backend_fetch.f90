@@ -8,13 +8,13 @@ module brz_backend_fetch
     use brz_coupling_copy, only: fetch_books, fetch_coupling, note_coupling
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: coupling_totals
-    use brz_debt_steps, only: ledger_totals
+    use brz_debt_steps, only: stored_totals
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: fetch_air, fetch_cells, fetch_walls, note_air
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
     use brz_gpu_cohesive_part, only: fetch_gpu_points
     use brz_gpu_solid_copy, only: fetch_particles, fetch_solid, note_solid, settle_bodies
-    use brz_gpu_solid_books, only: fetch_ledgers
+    use brz_gpu_solid_books, only: fetch_accounts
     use brz_kinds, only: dp, rk
     use brz_ranks, only: bits_of_all, several
     use brz_snapshots, only: snapshot_t
@@ -33,7 +33,7 @@ contains
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(coupling_t), intent(inout) :: coupling !! its work and impulse are brought up to date
         real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
-        real(dp), intent(out) :: kept(5) !! the same in ledgers and debts
+        real(dp), intent(out) :: kept(5) !! the same in cell stores and debts
         real(dp), intent(out) :: kinetic !! energy of the gas [J]
         real(dp), intent(out) :: products !! mass of products of explosives [kg]
         type(error_t), intent(inout) :: err
@@ -46,7 +46,7 @@ contains
             kept = 0
             more = 0
             if (coupling%on_gpu) then
-                call ledger_totals(air, coupling, kept, more, err)
+                call stored_totals(air, coupling, kept, more, err)
                 call fetch_books(coupling, err)
             end if
             kinetic = totals(0)
@@ -63,7 +63,7 @@ contains
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
-        if (backend%bodies_on_gpu) call fetch_ledgers(solid%device, solid, err)
+        if (backend%bodies_on_gpu) call fetch_accounts(solid%device, solid, err)
     end subroutine stock_of_books
 
     !> Bring what cohesive interfaces hold and have spent up to date on the host, of all processes.
@@ -86,7 +86,7 @@ contains
 
         if (failed(err)) return
         if (backend%on_gpu) call gpu_outflow(air%device, air, err)
-        if (backend%bodies_on_gpu) call fetch_ledgers(solid%device, solid, err)
+        if (backend%bodies_on_gpu) call fetch_accounts(solid%device, solid, err)
     end subroutine fetch_sums
 
     !> Bring to the host what several processes must know of each other before they gather: where

@@ -19,8 +19,8 @@ module brz_outputs
     use brz_files, only: is_folder
     use brz_folder_lock, only: lock_folder
     use brz_kinds, only: dp, real32
-    use brz_ledger, only: body_names, body_row, energy_columns, is_balanced, ledger_row, &
-                          ledger_start_t, balance_t, take_stock
+    use brz_conservation_audit, only: body_names, body_row, energy_columns, is_balanced, &
+                          audit_row, audit_start_t, balance_t, take_stock
     use brz_output_folder, only: folder_fresh, folder_replace, folder_resume, holds_histories, &
                                  prepare_folder
     use brz_progress, only: progress_line
@@ -161,7 +161,7 @@ contains
         if (note /= '') write (error_unit, '(a)') note
         call read_checkpoint(path, sim%case, sim%clock, sim%air, sim%coupling, sim%solid, sums, err)
         if (failed(err)) return
-        sim%start = ledger_start_t(.true., sums(1), sums(2), sums(3:5), sums(6), sums(7), &
+        sim%start = audit_start_t(.true., sums(1), sums(2), sums(3:5), sums(6), sums(7), &
                                    sums(8), sums(9))
         call resume_clock(sim%clock)
         call resume_solid(sim%solid, err)
@@ -251,16 +251,16 @@ contains
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
-        type(balance_t) :: ledger
+        type(balance_t) :: audit
 
         call take_stock(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, sim%start, &
-                        ledger, err)
+                        audit, err)
         call agree(sim%ranks, err)
         if (failed(err)) return
-        outputs%energy_error = ledger%energy_error
-        call append_row(outputs%energy, ledger_row(ledger), err)
+        outputs%energy_error = audit%energy_error
+        call append_row(outputs%energy, audit_row(audit), err)
         if (sim%solid%present) then
-            call body_row(ledger, sim%solid, outputs%body_values)
+            call body_row(audit, sim%solid, outputs%body_values)
             call append_row(outputs%bodies, outputs%body_values, err)
         end if
         if (outputs%gauges%n > 0) then
@@ -276,14 +276,14 @@ contains
         end if
         call agree(sim%ranks, err)
         if (failed(err)) return
-        call watch_region(sim, ledger%outside, outputs%outside, err)
-        call watch_held(sim, ledger%held_cells, outputs%held)
-        if (.not. (is_balanced(ledger) .or. sim%coupling%paper)) call raise(err, exit_numerical, &
+        call watch_region(sim, audit%outside, outputs%outside, err)
+        call watch_held(sim, audit%held_cells, outputs%held)
+        if (.not. (is_balanced(audit) .or. sim%coupling%paper)) call raise(err, exit_numerical, &
             'mass or momentum of the air is lost at t = '//to_text(sim%clock%time)// &
-            ' s: errors '//to_text(ledger%mass_error)//' and '//to_text(ledger%momentum_error)// &
+            ' s: errors '//to_text(audit%mass_error)//' and '//to_text(audit%momentum_error)// &
             ' of the whole; this is a fault of the program, please report it with the deck')
-        if (.not. abs(ledger%energy_error) <= sim%case%run%energy_band) call raise( &
-            err, exit_numerical, 'the energy error '//to_text(ledger%energy_error)//' at t = '// &
+        if (.not. abs(audit%energy_error) <= sim%case%run%energy_band) call raise( &
+            err, exit_numerical, 'the energy error '//to_text(audit%energy_error)//' at t = '// &
             to_text(sim%clock%time)//' s is outside the band energy_band = '// &
             to_text(sim%case%run%energy_band))
     end subroutine write_histories

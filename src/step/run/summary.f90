@@ -9,7 +9,7 @@ module brz_summary
     use brz_host_calls, only: counting, print_calls
     use brz_kernel_profile, only: print_profile, profiling
     use brz_kinds, only: dp, int64
-    use brz_ledger, only: ledger_start_t, balance_t, take_stock
+    use brz_conservation_audit, only: audit_start_t, balance_t, take_stock
     use brz_outputs, only: outputs_t
     use brz_gauge_summary, only: gauge_summary
     use brz_ranks, only: least_of_all, most_of_all, several, traffic
@@ -31,26 +31,26 @@ contains
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(in) :: outputs
         type(error_t), intent(inout) :: err
-        type(balance_t) :: ledger
-        type(ledger_start_t) :: start
+        type(balance_t) :: audit
+        type(audit_start_t) :: start
         character(:), allocatable :: text
 
         start = sim%start
         call take_stock(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, start, &
-                        ledger, err)
+                        audit, err)
         write (output_unit, '(/, a, es12.5, a, i0, a)') 'end at t =', sim%clock%time, ' s after ', &
             sim%clock%cycle, ' steps'
-        write (output_unit, '(a, es10.2)') 'energy error   ', ledger%energy_error
-        text = doubt_of(ledger%energy_error)
+        write (output_unit, '(a, es10.2)') 'energy error   ', audit%energy_error
+        text = doubt_of(audit%energy_error)
         if (len(text) > 0) write (output_unit, '(a)') text
         if (sim%air%present) then
             if (sim%coupling%present) write (output_unit, '(a, es10.2, a)') 'coupling error ', &
-                ledger%coupling_error, ' of the energy that the air could hand to bodies'
-            write (output_unit, '(a, es10.2)') 'mass error     ', ledger%mass_error
-            write (output_unit, '(a, es10.2)') 'momentum error ', ledger%momentum_error
-            write (output_unit, '(a, i0)') 'fallback faces  ', nint(ledger%fallback_faces, int64)
-            if (ledger%held_cells > 0) write (output_unit, '(a, i0)') 'limited cells   ', &
-                nint(ledger%held_cells, int64)
+                audit%coupling_error, ' of the energy that the air could hand to bodies'
+            write (output_unit, '(a, es10.2)') 'mass error     ', audit%mass_error
+            write (output_unit, '(a, es10.2)') 'momentum error ', audit%momentum_error
+            write (output_unit, '(a, i0)') 'fallback faces  ', nint(audit%fallback_faces, int64)
+            if (audit%held_cells > 0) write (output_unit, '(a, i0)') 'limited cells   ', &
+                nint(audit%held_cells, int64)
         end if
         call print_clamped(sim)
         call print_interfaces(sim)
@@ -73,9 +73,9 @@ contains
         if (.not. sim%solid%present) return
         do b = 1, size(sim%solid%bodies)
             associate (body => sim%solid%bodies(b))
-                if (body%ledger%clamped > 0) write (error_unit, '(3a, es8.1, a)') &
+                if (body%account%clamped > 0) write (error_unit, '(3a, es8.1, a)') &
                     "warning: body '", trim(body%id), "' was compressed beyond the range of "// &
-                    'its material in', body%ledger%clamped, ' particle steps: its pressure '// &
+                    'its material in', body%account%clamped, ' particle steps: its pressure '// &
                     'there is continued, not measured'
             end associate
         end do

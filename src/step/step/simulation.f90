@@ -8,7 +8,7 @@ module brz_simulation
     use brz_clock, only: clock_t
     use brz_coupling_state, only: coupling_t
     use brz_early, only: early_t
-    use brz_ledger, only: ledger_start_t
+    use brz_conservation_audit, only: audit_start_t
     use brz_ranks, only: ranks_t
     use brz_run_counts, only: progress_t
     use brz_solid_state, only: solid_t
@@ -26,7 +26,7 @@ module brz_simulation
         type(backend_t) :: backend !! where air and bodies are computed
         type(clock_t) :: clock
         type(early_t) :: early !! a blast in one or two dimensions before the first step
-        type(ledger_start_t) :: start !! totals at t = 0, to measure errors against
+        type(audit_start_t) :: start !! totals at t = 0, to measure errors against
         type(progress_t) :: progress
         character(6) :: limiter = '-' !! what limits the time step
         integer :: substeps = 0 !! solid steps in the last step

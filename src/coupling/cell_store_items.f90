@@ -1,22 +1,22 @@
 ! SPDX-License-Identifier: MIT
-!> Ledgers of solid cells: level them, keep them in their band, hand what is beyond it to the debts
-!> of the gas beside. One item is one solid cell or one wall face. (With cut cells it would be flux
-!> redistribution.)
+!> Cell stores of solid cells: level them, keep them in their band, hand what is beyond it to the
+!> debts of the gas beside. One item is one solid cell or one wall face. (With cut cells it would be
+!> flux redistribution.)
 !>
 !> A surface that is oblique to the grid, or moves obliquely, lets gas in through the faces of one
 !> direction and out through those of another: the fluxes cancel over a few cells of surface, but
-!> not in each. What a single ledger cannot hold would have to go back into the gas, as noise.
-module brz_ledger_items
+!> not in each. What a single cell store cannot hold would have to go back into the gas, as noise.
+module brz_cell_store_items
     use brz_cell_shells, only: cell_at, shells_t, touching
     use brz_column_rules, only: direction_of, image_row, sign_of
     use brz_coupling_box, only: box_t, is_own, is_turned, look_beside, place_at, place_beside
     use brz_kinds, only: dp, int32, int64, int8, rk
-    use brz_ledger_rules, only: ledger_excess, ledger_ratio
+    use brz_cell_store_rules, only: stored_excess, stored_ratio
     use brz_scheme, only: max_var
     implicit none
     private
-    public :: copy_ledger, level_ledger, book_level, judge_ledger, take_excess, first_excess, &
-              open_excess, give_excess, total_ledger
+    public :: copy_stored, level_stored, book_level, judge_stored, take_excess, first_excess, &
+              open_excess, give_excess, total_stored
     public :: faces_at
 
 contains
@@ -34,26 +34,26 @@ contains
         end do
     end function faces_at
 
-    !> Copy the ledgers.
+    !> Copy the cell stores.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine copy_ledger(c, box, cell, u, ledger)
+    pure subroutine copy_stored(c, box, cell, u, stored)
         integer, intent(in) :: c !! solid cells
         type(box_t), intent(in) :: box
         integer(int32), intent(in) :: cell(*)
         real(rk), intent(in) :: u(*)
-        real(rk), intent(inout) :: ledger(max_var, *)
+        real(rk), intent(inout) :: stored(max_var, *)
         integer(int64) :: at
         integer :: k
 
         at = place_at(box, cell(c))
         do k = 1, box%n_var
-            ledger(k, c) = u(at + (k - 1)*box%grid%apart)
+            stored(k, c) = u(at + (k - 1)*box%grid%apart)
         end do
-    end subroutine copy_ledger
+    end subroutine copy_stored
 
     !> The solid cell at an offset of another, or its image, if it has wall faces on a common side:
-    !> the two exchange parts of their ledgers. 0: there is none.
+    !> the two exchange parts of their cell stores. 0: there is none.
     !@cuf attributes(host,device) &
     pure subroutine find_partner(c, box, ijk, offset, solid, cell_of, face_of, b, turned)
         integer, intent(in) :: c !! place of the other in the list
@@ -83,7 +83,7 @@ contains
     !> what one takes the other gives, to the bit. Images are neighbours, too.
     !@item if(n >= worth_threads) schedule(dynamic, 64)
     !@cuf attributes(host,device) &
-    pure subroutine level_ledger(c, box, shells, part, cell, solid, cell_of, face_of, ledger, u)
+    pure subroutine level_stored(c, box, shells, part, cell, solid, cell_of, face_of, stored, u)
         integer, intent(in) :: c !! solid cells
         type(box_t), intent(in) :: box
         type(shells_t), intent(in) :: shells !@buffer
@@ -91,7 +91,7 @@ contains
         integer(int32), intent(in) :: cell(*)
         integer(int8), intent(in) :: solid(*)
         integer, intent(in) :: cell_of(*), face_of(6, *)
-        real(rk), intent(in) :: ledger(max_var, *)
+        real(rk), intent(in) :: stored(max_var, *)
         real(rk), intent(inout) :: u(*)
         real(rk) :: gain(max_var)
         integer(int64) :: at
@@ -111,20 +111,20 @@ contains
             call find_partner(c, box, ijk, offset, solid, cell_of, face_of, b, turned)
             if (b == 0) cycle
             do k = 1, max_var
-                if (k <= box%n_var) gain(k) = gain(k) + (merge(-ledger(k, b), ledger(k, b), &
-                                                               is_turned(turned, k)) - ledger(k, c))
+                if (k <= box%n_var) gain(k) = gain(k) + (merge(-stored(k, b), stored(k, b), &
+                                                               is_turned(turned, k)) - stored(k, c))
             end do
         end do
         at = place_at(box, cell(c))
         do k = 1, max_var
-            if (k <= box%n_var) u(at + (k - 1)*box%grid%apart) = ledger(k, c) + part*gain(k)
+            if (k <= box%n_var) u(at + (k - 1)*box%grid%apart) = stored(k, c) + part*gain(k)
         end do
-    end subroutine level_ledger
+    end subroutine level_stored
 
-    !> Momentum that images behind planes of symmetry get from the ledgers.
+    !> Momentum that images behind planes of symmetry get from the cell stores.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine book_level(c, box, shells, part, cell, solid, cell_of, face_of, ledger, images)
+    pure subroutine book_level(c, box, shells, part, cell, solid, cell_of, face_of, stored, images)
         integer, intent(in) :: c !! solid cells
         type(box_t), intent(in) :: box
         type(shells_t), intent(in) :: shells !@buffer
@@ -132,7 +132,7 @@ contains
         integer(int32), intent(in) :: cell(*)
         integer(int8), intent(in) :: solid(*)
         integer, intent(in) :: cell_of(*), face_of(6, *)
-        real(rk), intent(in) :: ledger(max_var, *) !! before
+        real(rk), intent(in) :: stored(max_var, *) !! before
         real(dp), intent(inout) :: images(3) !@sum of what they took [N s]
         integer :: b, d, k, o, ijk(3), offset(3)
         logical :: at_plane, turned(3)
@@ -155,24 +155,24 @@ contains
             if (b == 0) cycle
             do d = 1, 3
                 if (turned(d)) images(d) = images(d) + part*box%area(d)*box%dx(d) &
-                    *(real(ledger(1 + d, c), dp) + ledger(1 + d, b))
+                    *(real(stored(1 + d, c), dp) + stored(1 + d, b))
             end do
         end do
     end subroutine book_level
 
-    !> Part of each ledger that lies beyond its band, which is -1..2 of the gas beside it.
+    !> Part of each cell store that lies beyond its band, which is -1..2 of the gas beside it.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine judge_ledger(c, box, cell, gas, face_of, u, excess, low, high, over)
+    pure subroutine judge_stored(c, box, cell, gas, face_of, u, excess, low, high, over)
         integer, intent(in) :: c !! solid cells
         type(box_t), intent(in) :: box
         integer(int32), intent(in) :: cell(*), gas(*)
         integer, intent(in) :: face_of(6, *)
         real(rk), intent(in) :: u(*)
         real(rk), intent(inout) :: excess(*)
-        real(rk), intent(inout) :: low !@least ledger in its band, over the gas beside
+        real(rk), intent(inout) :: low !@least cell store in its band, over the gas beside
         real(rk), intent(inout) :: high !@most of them
-        integer, intent(inout) :: over !@count ledgers beyond their band
+        integer, intent(inout) :: over !@count cell stores beyond their band
         real(rk) :: energy, q(5), ratio, rho
         integer(int64) :: at
         integer :: f, faces, k, row
@@ -194,16 +194,16 @@ contains
         do k = 1, 5
             q(k) = u(at + (k - 1)*box%grid%apart)
         end do
-        ratio = ledger_ratio(q, rho/faces, energy/faces)
-        excess(c) = ledger_excess(ratio)
+        ratio = stored_ratio(q, rho/faces, energy/faces)
+        excess(c) = stored_excess(ratio)
         ratio = ratio*(1 - excess(c))
         if (excess(c) > 0) over = over + 1
         if (.not. is_own(box, cell(c))) return
         low = min(low, ratio)
         high = max(high, ratio)
-    end subroutine judge_ledger
+    end subroutine judge_stored
 
-    !> Take the excess out of the ledgers: `share` holds what each face of a cell hands over.
+    !> Take the excess out of the cell stores: `share` holds what each face of a cell hands over.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine take_excess(c, box, cell, face_of, excess, u, share)
@@ -227,7 +227,7 @@ contains
         end do
     end subroutine take_excess
 
-    !> The next face of a gas cell, in the order of the list, whose ledger has an excess; or 0.
+    !> The next face of a gas cell, in the order of the list, whose cell store has an excess; or 0.
     !@cuf attributes(host,device) &
     pure function next_excess(box, after, number, solid, cell_of, face_of, excess) result(next)
         type(box_t), intent(in) :: box
@@ -295,7 +295,8 @@ contains
         end do
     end subroutine open_excess
 
-    !> Each gas cell gathers what the ledgers around it have handed over, in the order of the faces.
+    !> Each gas cell gathers what the cell stores around it have handed over, in the order of the
+    !> faces.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine give_excess(f, box, n_var, gas, owner, solid, cell_of, face_of, excess, share, &
@@ -323,10 +324,10 @@ contains
         end do
     end subroutine give_excess
 
-    !> Sum of the ledgers of this process.
+    !> Sum of the cell stores of this process.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine total_ledger(c, box, cell, u, total)
+    pure subroutine total_stored(c, box, cell, u, total)
         integer, intent(in) :: c !! solid cells
         type(box_t), intent(in) :: box
         integer(int32), intent(in) :: cell(*)
@@ -340,5 +341,5 @@ contains
         do k = 1, 6
             if (k <= box%n_var) total(k) = total(k) + u(at + (k - 1)*box%grid%apart)
         end do
-    end subroutine total_ledger
-end module brz_ledger_items
+    end subroutine total_stored
+end module brz_cell_store_items

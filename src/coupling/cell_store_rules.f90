@@ -5,16 +5,16 @@
 !>
 !> Conserved variables are density, momentum x, y, z, total energy and products per volume, as in
 !> air_t; the last is zero where no products are carried.
-module brz_ledger_rules
+module brz_cell_store_rules
     use brz_gas, only: to_conserved
     use brz_kinds, only: rk
     use brz_positivity, only: is_kept, margin
     implicit none
     private
-    public :: fresh_gas, ledger_ratio, ledger_excess, release_debt
+    public :: fresh_gas, stored_ratio, stored_excess, release_debt
 
     real(rk), parameter :: thinnest = 1e-3_rk !! least density of a fresh cell over that around it
-    real(rk), parameter :: middle = 0.5_rk !! of a ledger, in units of the gas beside it
+    real(rk), parameter :: middle = 0.5_rk !! of a cell store, in units of the gas beside it
     real(rk), parameter :: half_band = 1.5_rk !! it may lie so far off: in -1..2
     real(rk), parameter :: pace = 0.05_rk !! part of a debt released per step
     real(rk), parameter :: jolt = 0.02_rk !! largest change of internal energy by it
@@ -32,15 +32,15 @@ contains
     !> so fast that less than half of that gas could follow, and less than half has come in through
     !> the walls, the cell is thinner, by an isentropic expansion, but not below the floors; nor may
     !> its internal energy be lost in rounding beside the kinetic one. What is left over, of any
-    !> sign, is returned for the ledgers nearby.
+    !> sign, is returned for the cell stores nearby.
     !@cuf attributes(host,device) &
     pure subroutine fresh_gas(floors, gamma, w, follows, u, rest)
         real(rk), intent(in) :: floors(3) !! see floors_of
         real(rk), intent(in) :: gamma !! ratio of specific heats [-]
         real(rk), intent(in) :: w(6) !! surroundings: density, velocity, pressure, products' share
         real(rk), intent(in) :: follows !! part of the gas that follows the solid, 0..1
-        real(rk), intent(inout) :: u(6) !! the ledger; on return the gas
-        real(rk), intent(out) :: rest(6) !! ledger less gas
+        real(rk), intent(inout) :: u(6) !! the cell store; on return the gas
+        real(rk), intent(out) :: rest(6) !! cell store less gas
         real(rk) :: q, v(5)
         integer :: i
 
@@ -63,27 +63,27 @@ contains
         end do
     end subroutine fresh_gas
 
-    !> A ledger in units of the gas beside it, density or energy, whichever is farther out.
+    !> A cell store in units of the gas beside it, density or energy, whichever is farther out.
     !@cuf attributes(host,device) &
-    pure function ledger_ratio(u, rho, energy) result(r)
-        real(rk), intent(in) :: u(5) !! the ledger
+    pure function stored_ratio(u, rho, energy) result(r)
+        real(rk), intent(in) :: u(5) !! the cell store
         real(rk), intent(in) :: rho, energy !! of the gas: density [kg/m3], total energy [J/m3]
         real(rk) :: r, e
 
         r = u(1)/rho
         e = u(5)/energy
         if (abs(e - middle) > abs(r - middle)) r = e
-    end function ledger_ratio
+    end function stored_ratio
 
-    !> Part of a ledger that must go so that its ratio comes back to the edge of the band, 0..1.
+    !> Part of a cell store that must go so that its ratio comes back to the edge of the band, 0..1.
     !@cuf attributes(host,device) &
-    pure function ledger_excess(ratio) result(part)
-        real(rk), intent(in) :: ratio !! from ledger_ratio
+    pure function stored_excess(ratio) result(part)
+        real(rk), intent(in) :: ratio !! from stored_ratio
         real(rk) :: part
 
         part = 0
         if (abs(ratio - middle) > half_band) part = (abs(ratio - middle) - half_band)/abs(ratio)
-    end function ledger_excess
+    end function stored_excess
 
     !> Hand part of a debt to the gas of its cell: a twentieth, or less where that would be a jolt.
     !>
@@ -128,4 +128,4 @@ contains
             if (paid .or. (part == 1 .and. i < 6)) debt(i) = 0
         end do
     end subroutine release_debt
-end module brz_ledger_rules
+end module brz_cell_store_rules

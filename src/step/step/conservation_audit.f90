@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> The conservation audit, called the ledger of a run: where mass, momentum and energy are, and what
+!> The conservation audit, of a run: where mass, momentum and energy are, and what
 !> is not accounted for.
 !>
 !> All values are of what is modelled (a half or a quarter where symmetry planes cut the scene).
-module brz_ledger
+module brz_conservation_audit
     use brz_air_state, only: air_t
     use brz_air_totals, only: counts_of_all, outflow_of_all
     use brz_backend, only: backend_t
@@ -20,7 +20,7 @@ module brz_ledger
     use brz_total_steps, only: sums_of_bodies
     implicit none
     private
-    public :: balance_t, ledger_start_t, take_stock, is_balanced, energy_columns, ledger_row
+    public :: balance_t, audit_start_t, take_stock, is_balanced, energy_columns, audit_row
     public :: body_names, body_row, judge
 
     integer, parameter :: n_energy = 56, n_body = 14, n_interface = 3
@@ -64,7 +64,7 @@ module brz_ledger
         real(dp) :: time = 0 !! [s]
         real(dp) :: gas(5) = 0 !! mass, momentum x, y, z, energy of the gas
         real(dp) :: gas_kinetic = 0 !! part of the gas energy [J]
-        real(dp) :: kept(5) = 0 !! the same in ledgers and debts
+        real(dp) :: kept(5) = 0 !! the same in cell stores and debts
         real(dp) :: outflow(5) = 0 !! what left through the outer faces so far
         real(dp) :: solid_kinetic = 0, solid_internal = 0, hourglass = 0, artificial = 0 !! [J]
         !> parts of solid_internal so far [J]
@@ -81,7 +81,8 @@ module brz_ledger
         real(dp) :: available = 0 !! energy of the air above that of its rest [J]
         real(dp) :: reference_work = 0 !! part of air_work that the reference pressure did [J]
         real(dp) :: total = 0 !! energy of everything [J]
-        real(dp) :: products = 0 !! mass of products of explosives in gas, ledgers and debts [kg]
+        real(dp) :: products = 0 !! mass of products of explosives in gas, cell stores and debts
+                                 !! [kg]
         real(dp) :: products_out = 0 !! what of it left through the outer faces so far [kg]
         real(dp) :: fallback_faces = 0 !! faces that fell back to first order so far
         real(dp) :: held_cells = 0 !! cells of gas that were held so far
@@ -93,7 +94,7 @@ module brz_ledger
     end type balance_t
 
     !> What the errors are measured against.
-    type :: ledger_start_t
+    type :: audit_start_t
         logical :: known = .false.
         real(dp) :: total = 0 !! energy at t = 0 [J]
         real(dp) :: mass = 0 !! of the air at t = 0 [kg]
@@ -102,60 +103,60 @@ module brz_ledger
         real(dp) :: work = 0 !! the largest work of the load so far [J]
         real(dp) :: supply = 0 !! the largest term at t = 0, or work of a drive or load since [J]
         real(dp) :: available = 0 !! the largest energy of the air above that of its rest so far [J]
-    end type ledger_start_t
+    end type audit_start_t
 
 contains
 
     !> Take stock of the scene. The first call sets what errors are measured against, and each one
     !> brings the largest terms up to date.
-    subroutine take_stock(time, backend, air, solid, coupling, start, ledger, err)
+    subroutine take_stock(time, backend, air, solid, coupling, start, audit, err)
         real(dp), intent(in) :: time !! [s]
         type(backend_t), intent(inout) :: backend
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
-        type(solid_t), intent(inout) :: solid !! its ledgers are brought up to date
+        type(solid_t), intent(inout) :: solid !! its accounts are brought up to date
         type(coupling_t), intent(inout) :: coupling !! its sums are brought up to date
-        type(ledger_start_t), intent(inout) :: start
-        type(balance_t), intent(out) :: ledger
+        type(audit_start_t), intent(inout) :: start
+        type(balance_t), intent(out) :: audit
         type(error_t), intent(inout) :: err !! exit_device where the GPU fails
         type(coupling_books_t) :: taken
         real(dp) :: all(5), mass
         integer(int64) :: faces, cells
 
-        ledger%time = time
+        audit%time = time
         mass = 0
         if (air%present) then
-            call stock_of_air(backend, air, coupling, ledger%gas, ledger%kept, &
-                              ledger%gas_kinetic, ledger%products, err)
-            call outflow_of_all(air, ledger%outflow, ledger%products_out)
+            call stock_of_air(backend, air, coupling, audit%gas, audit%kept, &
+                              audit%gas_kinetic, audit%products, err)
+            call outflow_of_all(air, audit%outflow, audit%products_out)
             call counts_of_all(air, faces, cells)
-            ledger%fallback_faces = real(faces, dp)
-            ledger%held_cells = real(cells, dp)
-            ledger%available = available_energy(air, ledger)
+            audit%fallback_faces = real(faces, dp)
+            audit%held_cells = real(cells, dp)
+            audit%available = available_energy(air, audit)
         end if
-        if (solid%present) call stock_of_solid(backend, solid, ledger, mass, err)
+        if (solid%present) call stock_of_solid(backend, solid, audit, mass, err)
         if (coupling%present) call books_of_all(solid%ranks, coupling, taken)
-        ledger%air_work = taken%work
-        ledger%reference_work = taken%work_reference
-        if (allocated(solid%loads%of)) ledger%reference_work = -ledger%load_work ! from outside
-        ledger%impulse = taken%impulse
-        ledger%ambient = taken%impulse_reference
-        ledger%outflow(2:4) = ledger%outflow(2:4) + taken%images
-        all = ledger%gas + ledger%kept + ledger%outflow
-        all(2:4) = all(2:4) + ledger%impulse + ledger%ambient
-        ledger%total = all(5) + ledger%solid_kinetic + ledger%solid_internal + ledger%hourglass &
-                       + ledger%artificial + ledger%contact(1) + sum(ledger%bond) &
-                       + ledger%reference_work - ledger%drive
-        ledger%momentum_scale = momentum_scale(air, ledger)
-        if (.not. start%known) start = ledger_start_t(.true., ledger%total, all(1), all(2:4), &
-                                                      supply=largest_term(ledger))
-        call judge(all, rounding_energy(solid, mass), start, ledger)
+        audit%air_work = taken%work
+        audit%reference_work = taken%work_reference
+        if (allocated(solid%loads%of)) audit%reference_work = -audit%load_work ! from outside
+        audit%impulse = taken%impulse
+        audit%ambient = taken%impulse_reference
+        audit%outflow(2:4) = audit%outflow(2:4) + taken%images
+        all = audit%gas + audit%kept + audit%outflow
+        all(2:4) = all(2:4) + audit%impulse + audit%ambient
+        audit%total = all(5) + audit%solid_kinetic + audit%solid_internal + audit%hourglass &
+                       + audit%artificial + audit%contact(1) + sum(audit%bond) &
+                       + audit%reference_work - audit%drive
+        audit%momentum_scale = momentum_scale(air, audit)
+        if (.not. start%known) start = audit_start_t(.true., audit%total, all(1), all(2:4), &
+                                                      supply=largest_term(audit))
+        call judge(all, rounding_energy(solid, mass), start, audit)
     end subroutine take_stock
 
     !> The bodies and what is between them, by the books of all processes.
-    subroutine stock_of_solid(backend, solid, ledger, mass, err)
+    subroutine stock_of_solid(backend, solid, audit, mass, err)
         type(backend_t), intent(inout) :: backend
         type(solid_t), intent(inout) :: solid
-        type(balance_t), intent(inout) :: ledger
+        type(balance_t), intent(inout) :: audit
         real(dp), intent(out) :: mass !! of all bodies [kg]
         type(error_t), intent(inout) :: err
         type(solid_totals_t) :: sums, t
@@ -168,60 +169,60 @@ contains
         call sums_of_bodies(solid, of_bodies, err)
         call totals_of_sums(solid, 0, of_bodies, sums)
         mass = sums%mass
-        ledger%solid_kinetic = sums%kinetic
-        ledger%solid_internal = sums%internal
-        ledger%outside = sums%outside
-        ledger%removed = sums%removed
-        ledger%hourglass = sums%hourglass
-        ledger%artificial = sums%artificial
-        ledger%hourglass_heat = sum(solid%bodies%ledger%hourglass_heat)
-        ledger%viscous = sum(solid%bodies%ledger%viscous)
-        ledger%plastic = sum(solid%bodies%ledger%plastic)
-        ledger%damage = sum(solid%bodies%ledger%damage)
-        ledger%contact = [sums%contact, sum(solid%bodies%ledger%contact_heat), &
-                          sum(solid%bodies%ledger%friction)]
-        ledger%drive = sum(solid%bodies%ledger%drive)
-        ledger%load_work = sum(solid%bodies%ledger%load)
-        allocate (ledger%bodies(n_body, size(solid%bodies)))
+        audit%solid_kinetic = sums%kinetic
+        audit%solid_internal = sums%internal
+        audit%outside = sums%outside
+        audit%removed = sums%removed
+        audit%hourglass = sums%hourglass
+        audit%artificial = sums%artificial
+        audit%hourglass_heat = sum(solid%bodies%account%hourglass_heat)
+        audit%viscous = sum(solid%bodies%account%viscous)
+        audit%plastic = sum(solid%bodies%account%plastic)
+        audit%damage = sum(solid%bodies%account%damage)
+        audit%contact = [sums%contact, sum(solid%bodies%account%contact_heat), &
+                          sum(solid%bodies%account%friction)]
+        audit%drive = sum(solid%bodies%account%drive)
+        audit%load_work = sum(solid%bodies%account%load)
+        allocate (audit%bodies(n_body, size(solid%bodies)))
         do b = 1, size(solid%bodies)
             if (failed(err)) exit
             call totals_of_sums(solid, b, of_bodies, t)
-            ledger%bodies(:, b) = [t%mass, t%centre, t%momentum/t%mass, t%kinetic, t%internal, &
-                                   t%damage, solid%bodies(b)%ledger%load, solid%bodies(b)%reaction]
+            audit%bodies(:, b) = [t%mass, t%centre, t%momentum/t%mass, t%kinetic, t%internal, &
+                                   t%damage, solid%bodies(b)%account%load, solid%bodies(b)%reaction]
         end do
         call close_all_books(solid, books)
         call stock_of_interfaces(backend, solid, err)
-        call cohesive_totals(solid%cohesive, 0, ledger%bond(1), ledger%bond(2), area(1), area(2))
+        call cohesive_totals(solid%cohesive, 0, audit%bond(1), audit%bond(2), area(1), area(2))
     end subroutine stock_of_solid
 
     !> Energy that the air could hand to bodies: that of its motion, and what its mass holds beyond
     !> air at rest [J].
-    pure real(dp) function available_energy(air, ledger)
+    pure real(dp) function available_energy(air, audit)
         type(air_t), intent(in) :: air
-        type(balance_t), intent(in) :: ledger
+        type(balance_t), intent(in) :: audit
         real(dp) :: rest
 
         rest = real(air%p_rest, dp)/((air%scheme%gamma - 1)*real(air%rho_rest, dp)) ! [J/kg]
-        available_energy = max(ledger%gas_kinetic, ledger%gas(5) - rest*ledger%gas(1))
+        available_energy = max(audit%gas_kinetic, audit%gas(5) - rest*audit%gas(1))
     end function available_energy
 
     !> A momentum to measure errors against: that of sound through the whole mass of the air.
-    pure real(dp) function momentum_scale(air, ledger)
+    pure real(dp) function momentum_scale(air, audit)
         type(air_t), intent(in) :: air
-        type(balance_t), intent(in) :: ledger
+        type(balance_t), intent(in) :: audit
 
-        momentum_scale = (ledger%gas(1) + ledger%outflow(1)) &
+        momentum_scale = (audit%gas(1) + audit%outflow(1)) &
                          *sqrt(real(air%scheme%gamma*air%p_rest/air%rho_rest, dp))
     end function momentum_scale
 
     !> The largest of the places and exchanges of energy [J].
-    pure real(dp) function largest_term(ledger)
-        type(balance_t), intent(in) :: ledger
+    pure real(dp) function largest_term(audit)
+        type(balance_t), intent(in) :: audit
 
-        largest_term = maxval(abs([ledger%gas_kinetic, ledger%gas(5) - ledger%gas_kinetic, &
-            ledger%kept(5), ledger%outflow(5), ledger%solid_kinetic, ledger%solid_internal, &
-            ledger%hourglass, ledger%artificial, ledger%contact(1), ledger%bond, &
-            ledger%air_work, ledger%load_work, ledger%drive]))
+        largest_term = maxval(abs([audit%gas_kinetic, audit%gas(5) - audit%gas_kinetic, &
+            audit%kept(5), audit%outflow(5), audit%solid_kinetic, audit%solid_internal, &
+            audit%hourglass, audit%artificial, audit%contact(1), audit%bond, &
+            audit%air_work, audit%load_work, audit%drive]))
     end function largest_term
 
     !> Energy of bodies at rest by rounding: their velocities are some roundings of sound [J].
@@ -244,73 +245,73 @@ contains
     !> That of the energy counts as 0 where there is only rounding, and where a drive or a load has
     !> just begun: ten times as much as at the last call has been put in. What grows without that
     !> is an error.
-    pure subroutine judge(all, rounding, start, ledger)
+    pure subroutine judge(all, rounding, start, audit)
         real(dp), intent(in) :: all(5) !! mass, momentum, energy of the air and what it gave away
         real(dp), intent(in) :: rounding !! energy of it [J]
-        type(ledger_start_t), intent(inout) :: start
-        type(balance_t), intent(inout) :: ledger
+        type(audit_start_t), intent(inout) :: start
+        type(balance_t), intent(inout) :: audit
         real(dp), parameter :: growth = 10
         real(dp), parameter :: noise = 100*epsilon(1.0_rk) ! of the energy of air at rest
         real(dp) :: supply
 
-        start%energy = max(start%energy, largest_term(ledger))
-        start%work = max(start%work, abs(ledger%load_work))
-        supply = max(start%supply, start%work, abs(ledger%drive))
-        ledger%energy_scale = start%energy
+        start%energy = max(start%energy, largest_term(audit))
+        start%work = max(start%work, abs(audit%load_work))
+        supply = max(start%supply, start%work, abs(audit%drive))
+        audit%energy_scale = start%energy
         if (start%energy > rounding .and. supply <= growth*start%supply) &
-            ledger%energy_error = (ledger%total - start%total)/start%energy
-        if (.not. abs(ledger%total) <= huge(start%total)) & ! that is no number either
-            ledger%energy_error = ledger%total - ledger%total
+            audit%energy_error = (audit%total - start%total)/start%energy
+        if (.not. abs(audit%total) <= huge(start%total)) & ! that is no number either
+            audit%energy_error = audit%total - audit%total
         start%supply = supply
-        start%available = max(start%available, ledger%available)
-        ledger%coupling_scale = max(start%work, start%available)
-        if (ledger%coupling_scale > max(rounding, noise*start%energy)) &
-            ledger%coupling_error = lost_in_coupling(ledger)/ledger%coupling_scale
-        if (start%mass > 0) ledger%mass_error = (all(1) - start%mass)/start%mass
-        if (ledger%momentum_scale > 0) ledger%momentum_error = &
-            maxval(abs(all(2:4) - start%momentum))/ledger%momentum_scale
+        start%available = max(start%available, audit%available)
+        audit%coupling_scale = max(start%work, start%available)
+        if (audit%coupling_scale > max(rounding, noise*start%energy)) &
+            audit%coupling_error = lost_in_coupling(audit)/audit%coupling_scale
+        if (start%mass > 0) audit%mass_error = (all(1) - start%mass)/start%mass
+        if (audit%momentum_scale > 0) audit%momentum_error = &
+            maxval(abs(all(2:4) - start%momentum))/audit%momentum_scale
     end subroutine judge
 
     !> Energy that the air lost to walls and the bodies did not gain [J].
-    pure real(dp) function lost_in_coupling(ledger)
-        type(balance_t), intent(in) :: ledger
+    pure real(dp) function lost_in_coupling(audit)
+        type(balance_t), intent(in) :: audit
 
-        lost_in_coupling = ledger%air_work - ledger%reference_work - ledger%load_work
+        lost_in_coupling = audit%air_work - audit%reference_work - audit%load_work
     end function lost_in_coupling
 
     !> True while no mass and no momentum of the air is missing, but for rounding.
     !>
-    !> Gas, ledgers, debts, outflow and what the walls took must add up to what was there at the
+    !> Gas, cell stores, debts, outflow and what the walls took must add up to what was there at the
     !> start, whatever happens in the scene; rounding of a million steps stays far below the bound.
-    pure logical function is_balanced(ledger)
-        type(balance_t), intent(in) :: ledger
+    pure logical function is_balanced(audit)
+        type(balance_t), intent(in) :: audit
         real(dp), parameter :: rounding = sqrt(real(epsilon(1.0_rk), dp))
 
-        is_balanced = abs(ledger%mass_error) <= rounding .and. ledger%momentum_error <= rounding
+        is_balanced = abs(audit%mass_error) <= rounding .and. audit%momentum_error <= rounding
     end function is_balanced
 
     !> The row that belongs to the `energy_columns`.
-    pure function ledger_row(ledger) result(row)
-        type(balance_t), intent(in) :: ledger
+    pure function audit_row(audit) result(row)
+        type(balance_t), intent(in) :: audit
         real(dp) :: row(n_energy)
 
-        row(1:4) = [ledger%time, ledger%gas_kinetic, ledger%gas(5) - ledger%gas_kinetic, &
-                    ledger%outflow(5)]
-        row(5:13) = [ledger%kept(5), ledger%solid_kinetic, ledger%solid_internal, &
-                     ledger%hourglass, ledger%artificial, ledger%viscous, ledger%hourglass_heat, &
-                     ledger%plastic, ledger%damage]
-        row(14:18) = [ledger%air_work, ledger%load_work, lost_in_coupling(ledger), &
-                      ledger%total, ledger%energy_error]
-        row(19:28) = [ledger%gas(1) + ledger%kept(1), ledger%outflow(1), ledger%impulse, &
-                      ledger%mass_error, ledger%momentum_error, ledger%fallback_faces, &
-                      ledger%products, ledger%products_out]
-        row(29:36) = [ledger%contact, ledger%drive, ledger%outside, ledger%removed, &
-                      ledger%held_cells]
-        row(37:50) = [ledger%kept(1:4), ledger%gas(2:4), ledger%outflow(2:4), &
-                      ledger%momentum_scale, ledger%reference_work, ledger%energy_scale, &
-                      ledger%coupling_error]
-        row(51:56) = [ledger%bond, ledger%ambient, ledger%coupling_scale]
-    end function ledger_row
+        row(1:4) = [audit%time, audit%gas_kinetic, audit%gas(5) - audit%gas_kinetic, &
+                    audit%outflow(5)]
+        row(5:13) = [audit%kept(5), audit%solid_kinetic, audit%solid_internal, &
+                     audit%hourglass, audit%artificial, audit%viscous, audit%hourglass_heat, &
+                     audit%plastic, audit%damage]
+        row(14:18) = [audit%air_work, audit%load_work, lost_in_coupling(audit), &
+                      audit%total, audit%energy_error]
+        row(19:28) = [audit%gas(1) + audit%kept(1), audit%outflow(1), audit%impulse, &
+                      audit%mass_error, audit%momentum_error, audit%fallback_faces, &
+                      audit%products, audit%products_out]
+        row(29:36) = [audit%contact, audit%drive, audit%outside, audit%removed, &
+                      audit%held_cells]
+        row(37:50) = [audit%kept(1:4), audit%gas(2:4), audit%outflow(2:4), &
+                      audit%momentum_scale, audit%reference_work, audit%energy_scale, &
+                      audit%coupling_error]
+        row(51:56) = [audit%bond, audit%ambient, audit%coupling_scale]
+    end function audit_row
 
     !> Columns of bodies.csv.
     subroutine body_names(solid, names)
@@ -341,20 +342,20 @@ contains
     end function interfaces_of
 
     !> The row that belongs to the columns of bodies.csv.
-    pure subroutine body_row(ledger, solid, row)
-        type(balance_t), intent(in) :: ledger !! of the present state
+    pure subroutine body_row(audit, solid, row)
+        type(balance_t), intent(in) :: audit !! of the present state
         type(solid_t), intent(in) :: solid
         real(dp), intent(out) :: row(:) !! (1 + n_body bodies + n_interface interfaces)
         real(dp) :: sums(4)
         integer :: first, k
 
-        first = 1 + size(ledger%bodies)
-        row(1) = ledger%time
-        row(2:first) = reshape(ledger%bodies, [size(ledger%bodies)])
+        first = 1 + size(audit%bodies)
+        row(1) = audit%time
+        row(2:first) = reshape(audit%bodies, [size(audit%bodies)])
         do k = 1, interfaces_of(solid)
             call cohesive_totals(solid%cohesive, k, sums(1), sums(2), sums(3), sums(4))
             row(first + 1:first + n_interface) = [sums(3), sums(1), sums(2)]
             first = first + n_interface
         end do
     end subroutine body_row
-end module brz_ledger
+end module brz_conservation_audit
