@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Cell stores of solid cells: level them, keep them in their band, hand what is beyond it to the
-!> debts of the gas beside. One item is one solid cell or one wall face. (With cut cells it would be
-!> flux redistribution.)
+!> deferred sources of the gas beside. One item is one solid cell or one wall face. (With cut cells
+!> it would be flux redistribution.)
 !>
 !> A surface that is oblique to the grid, or moves obliquely, lets gas in through the faces of one
 !> direction and out through those of another: the fluxes cancel over a few cells of surface, but
@@ -256,7 +256,8 @@ contains
         end do
     end function next_excess
 
-    !> flag(f) = 1 at the first of the faces that hand an excess to a gas cell without a debt.
+    !> flag(f) = 1 at the first of the faces that hand an excess to a gas cell without a deferred
+    !> source.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine first_excess(f, box, gas, owner, solid, cell_of, face_of, excess, slot, flag)
@@ -275,23 +276,23 @@ contains
         if (next_excess(box, 0, gas(f), solid, cell_of, face_of, excess) == f) flag(f) = 1
     end subroutine first_excess
 
-    !> Open debts; `start` holds how many are opened before each face.
+    !> Open deferred sources; `start` holds how many are opened before each face.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine open_excess(f, n_var, debts, start, gas, slot, debt_cell, debt)
+    pure subroutine open_excess(f, n_var, so_many, start, gas, slot, deferred_cell, deferred)
         integer, intent(in) :: f !! faces
-        integer, intent(in) :: n_var, debts !! variables, debts so far
+        integer, intent(in) :: n_var, so_many !! variables, deferred sources so far
         integer(int32), intent(in) :: start(*), gas(*)
-        integer(int32), intent(inout) :: slot(*), debt_cell(*)
-        real(rk), intent(inout) :: debt(n_var, *)
+        integer(int32), intent(inout) :: slot(*), deferred_cell(*)
+        real(rk), intent(inout) :: deferred(n_var, *)
         integer :: e, k
 
         if (start(f + 1) == start(f)) return
-        e = debts + start(f + 1)
+        e = so_many + start(f + 1)
         slot(gas(f)) = e
-        debt_cell(e) = gas(f)
+        deferred_cell(e) = gas(f)
         do k = 1, n_var
-            debt(k, e) = 0
+            deferred(k, e) = 0
         end do
     end subroutine open_excess
 
@@ -300,7 +301,7 @@ contains
     !@item
     !@cuf attributes(host,device) &
     pure subroutine give_excess(f, box, n_var, gas, owner, solid, cell_of, face_of, excess, share, &
-                                slot, debt)
+                                slot, deferred)
         integer, intent(in) :: f !! faces
         type(box_t), intent(in) :: box
         integer, intent(in) :: n_var !! variables
@@ -309,7 +310,7 @@ contains
         integer, intent(in) :: cell_of(*), face_of(6, *)
         real(rk), intent(in) :: excess(*), share(max_var, *)
         integer(int32), intent(in) :: slot(*)
-        real(rk), intent(inout) :: debt(n_var, *)
+        real(rk), intent(inout) :: deferred(n_var, *)
         integer :: e, k, next
 
         if (.not. excess(owner(f)) > 0) return
@@ -318,7 +319,7 @@ contains
         e = slot(gas(f))
         do while (next > 0)
             do k = 1, n_var
-                debt(k, e) = debt(k, e) + share(k, owner(next))
+                deferred(k, e) = deferred(k, e) + share(k, owner(next))
             end do
             next = next_excess(box, next, gas(f), solid, cell_of, face_of, excess)
         end do

@@ -11,17 +11,19 @@ module brz_cell_store_rules
     use brz_positivity, only: is_kept, margin
     implicit none
     private
-    public :: fresh_gas, stored_ratio, stored_excess, release_debt
+    public :: fresh_gas, stored_ratio, stored_excess, release_deferred
 
     real(rk), parameter :: thinnest = 1e-3_rk !! least density of a fresh cell over that around it
     real(rk), parameter :: middle = 0.5_rk !! of a cell store, in units of the gas beside it
     real(rk), parameter :: half_band = 1.5_rk !! it may lie so far off: in -1..2
-    real(rk), parameter :: pace = 0.05_rk !! part of a debt released per step
+    real(rk), parameter :: pace = 0.05_rk !! part of a deferred source released per step
     real(rk), parameter :: jolt = 0.02_rk !! largest change of internal energy by it
     real(rk), parameter :: density_jolt = 0.999_rk*jolt
     !! largest change of density: less, so that rounding does not decide where both are the same
-    real(rk), parameter :: trifle = 1e-3_rk !! mass over that of the gas that is owed as it comes
-    !> A debt this small, over the gas, is paid at once: a twentieth of it may be lost to rounding
+    real(rk), parameter :: trifle = 1e-3_rk !! mass over that of the gas that is deferred as it
+                                            !! comes
+    !> A deferred source this small, over the gas, is released at once: a twentieth of it may be
+    !> lost to rounding
     real(rk), parameter :: crumb = max(1e-10_rk, 40*epsilon(1.0_rk))
 
 contains
@@ -85,29 +87,31 @@ contains
         if (abs(ratio - middle) > half_band) part = (abs(ratio - middle) - half_band)/abs(ratio)
     end function stored_excess
 
-    !> Hand part of a debt to the gas of its cell: a twentieth, or less where that would be a jolt.
+    !> Hand part of a deferred source to the gas of its cell: a twentieth, or less where that would
+    !> be a jolt.
     !>
-    !> The gas stays gas: what would leave less than the floors waits. A cell that owes mass gives
-    !> gas as it is, and the rest of the debt waits: mass without its energy, a little each step,
-    !> would leave next to nothing at the same pressure, and a step of the air to match.
+    !> The gas stays gas: what would leave less than the floors waits. A cell with a sink of mass
+    !> gives gas as it is, and the rest of the deferred source waits: mass without its energy, a
+    !> little each step, would leave next to nothing at the same pressure, and a step of the air to
+    !> match.
     !@cuf attributes(host,device) &
-    pure subroutine release_debt(floors, u, debt)
+    pure subroutine release_deferred(floors, u, deferred)
         real(rk), intent(in) :: floors(3) !! see floors_of
         real(rk), intent(inout) :: u(6) !! gas
-        real(rk), intent(inout) :: debt(6)
+        real(rk), intent(inout) :: deferred(6)
         real(rk) :: part, inner, changed, v(6), d(6)
         integer :: i, halvings
-        logical :: paid, alike
+        logical :: released, alike
 
         part = pace
-        if (abs(debt(1))*part > density_jolt*u(1)) part = density_jolt*u(1)/abs(debt(1))
+        if (abs(deferred(1))*part > density_jolt*u(1)) part = density_jolt*u(1)/abs(deferred(1))
         inner = u(5) - (u(2)*u(2) + u(3)*u(3) + u(4)*u(4))/(2*u(1))
-        if (abs(debt(1)) <= crumb*u(1) .and. abs(debt(5)) <= crumb*inner) part = 1
-        alike = debt(1) < -trifle*u(1)
+        if (abs(deferred(1)) <= crumb*u(1) .and. abs(deferred(5)) <= crumb*inner) part = 1
+        alike = deferred(1) < -trifle*u(1)
         do halvings = 1, 60
             do i = 1, 6
-                d(i) = part*debt(i)
-                if (alike) d(i) = part*debt(1)*(u(i)/u(1))
+                d(i) = part*deferred(i)
+                if (alike) d(i) = part*deferred(1)*(u(i)/u(1))
                 v(i) = u(i) + d(i)
             end do
             if (v(1) > 0) then
@@ -118,14 +122,14 @@ contains
         end do
         if (halvings > 60) return
         ! products only as far as their share stays within 0..1
-        paid = part == 1 .and. v(6) >= 0 .and. v(6) <= v(1)
+        released = part == 1 .and. v(6) >= 0 .and. v(6) <= v(1)
         v(6) = max(0.0_rk, min(v(1), v(6)))
-        ! the debt loses exactly what the gas gains
+        ! the deferred source loses exactly what the gas gains
         do i = 1, 6
             d(i) = v(i) - u(i)
-            debt(i) = debt(i) - d(i)
+            deferred(i) = deferred(i) - d(i)
             u(i) = v(i)
-            if (paid .or. (part == 1 .and. i < 6)) debt(i) = 0
+            if (released .or. (part == 1 .and. i < 6)) deferred(i) = 0
         end do
-    end subroutine release_debt
+    end subroutine release_deferred
 end module brz_cell_store_rules

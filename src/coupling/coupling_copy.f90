@@ -1,15 +1,15 @@
 ! SPDX-License-Identifier: MIT
 !> The coupling on its way to a GPU and back, and numbers about all of it.
 !>
-!> Walls, bins, cell stores and debts are built and held on the GPU; the host learns how many there
-!> are.
+!> Walls, bins, cell stores and deferred sources are built and held on the GPU; the host learns how
+!> many there are.
 module brz_coupling_copy
     use brz_air_state, only: air_t
     use brz_air_walls, only: build_walls
     use brz_coupling_device, only: book_high, book_low, n_book, n_sums
     use brz_coupling_state, only: coupling_t, put_sums, sums_in
     use brz_coupling_windows, only: open_windows_of_gpus
-    use brz_debt_steps, only: enter_debts, size_debts
+    use brz_deferred_source_steps, only: enter_deferred_sources, size_deferred_sources
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out
     use brz_device_data, only: enter_bytes, enter_data, update_device, update_host
     use brz_errors, only: error_t, failed
@@ -31,8 +31,8 @@ module brz_coupling_copy
 contains
 
     !> Give the coupling memory on the GPU and put the walls up where the particles are there: it is
-    !> computed there from now on. Debts and books are those of the host; the cell stores are in the
-    !> air.
+    !> computed there from now on. Deferred sources and books are those of the host; the cell stores
+    !> are in the air.
     subroutine open_gpu_coupling(air, solid, c, err)
         type(air_t), intent(inout) :: air !! on the GPU, opened with walls
         type(solid_t), intent(inout) :: solid !! on the GPU; read
@@ -53,7 +53,7 @@ contains
         else
             call begin_walls(air, solid, c, err)
         end if
-        call put_debts(c, err)
+        call put_deferred_sources(c, err)
         call put_books(c, err)
     end subroutine open_gpu_coupling
 
@@ -94,27 +94,27 @@ contains
         call find_mean_velocity(p, c, err)
     end subroutine begin_walls
 
-    !> The debts of the host.
-    subroutine put_debts(c, err)
+    !> The deferred sources of the host.
+    subroutine put_deferred_sources(c, err)
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         integer(int32), allocatable :: cell(:)
-        real(rk), allocatable :: debt(:, :)
+        real(rk), allocatable :: deferred(:, :)
         integer :: n
 
-        n = c%n_debts
-        c%n_debts = 0
-        call move_alloc(c%debt_cell, cell)
-        call move_alloc(c%debt, debt)
-        call size_debts(c, n, err)
-        c%n_debts = n
+        n = c%n_deferred
+        c%n_deferred = 0
+        call move_alloc(c%deferred_cell, cell)
+        call move_alloc(c%deferred, deferred)
+        call size_deferred_sources(c, n, err)
+        c%n_deferred = n
         if (n == 0) return
-        c%debt_cell(:n) = cell(:n)
-        c%debt(:, :n) = debt(:, :n)
-        call update_device(c%debt_cell(:n), err)
-        call update_device(c%debt(:, :n), err)
-        call enter_debts(c, err)
-    end subroutine put_debts
+        c%deferred_cell(:n) = cell(:n)
+        c%deferred(:, :n) = deferred(:, :n)
+        call update_device(c%deferred_cell(:n), err)
+        call update_device(c%deferred(:, :n), err)
+        call enter_deferred_sources(c, err)
+    end subroutine put_deferred_sources
 
     subroutine put_books(c, err)
         type(coupling_t), intent(in) :: c
@@ -142,8 +142,8 @@ contains
         c%books%stored_high = real(maxval(book(:, book_high)), rk)
     end subroutine fetch_books
 
-    !> Bring walls, debts and books to the host, for a dump or a checkpoint. Of what else the host
-    !> has (bins, columns, the map of debts) only the room means something.
+    !> Bring walls, deferred sources and books to the host, for a dump or a checkpoint. Of what else
+    !> the host has (bins, columns, the map of deferred sources) only the room means something.
     subroutine fetch_coupling(air, c, err)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: c !! on the GPU
@@ -157,9 +157,9 @@ contains
         end if
         call update_host(c%wall%v(:, :c%wall%n_cells), err)
         if (allocated(c%v_before)) call update_host(c%v_before, err)
-        if (c%n_debts > 0) then
-            call update_host(c%debt_cell(:c%n_debts), err)
-            call update_host(c%debt(:, :c%n_debts), err)
+        if (c%n_deferred > 0) then
+            call update_host(c%deferred_cell(:c%n_deferred), err)
+            call update_host(c%deferred(:, :c%n_deferred), err)
         end if
         call fetch_books(c, err)
     end subroutine fetch_coupling
@@ -170,7 +170,8 @@ contains
         type(snapshot_t), intent(inout) :: snapshot
 
         call snapshot%note([buffer_of(c%wall%solid), buffer_of(c%wall%v), &
-                            buffer_of(c%debt_cell), buffer_of(c%debt), c%device%book%buffer_t])
+                            buffer_of(c%deferred_cell), buffer_of(c%deferred), &
+                            c%device%book%buffer_t])
         if (allocated(c%v_before)) call snapshot%note([buffer_of(c%v_before)])
     end subroutine note_coupling
 

@@ -5,7 +5,7 @@ module brz_coupling_gather
     use brz_coupling_box, only: is_own
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: books_of_all
-    use brz_debt_steps, only: size_debts
+    use brz_deferred_source_steps, only: size_deferred_sources
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int64, rk
     use brz_mail, only: mail_t, make_room, post, put_numbers, take_numbers, tell_counts
@@ -19,7 +19,7 @@ module brz_coupling_gather
 contains
 
     !> What a checkpoint holds of the coupling but for what keep_before adds, in the first process;
-    !> debts in the order of the grid. All must call.
+    !> deferred sources in the order of the grid. All must call.
     subroutine gather_coupling(coupling, all)
         type(coupling_t), intent(in) :: coupling
         type(coupling_t), intent(inout) :: all
@@ -29,7 +29,7 @@ contains
         all%dt_before = coupling%dt_before
         associate (ranks => coupling%ranks)
             call books_of_all(ranks, coupling, all%books)
-            call gather_debts(ranks, coupling, all)
+            call gather_deferred_sources(ranks, coupling, all)
         end associate
     end subroutine gather_coupling
 
@@ -45,13 +45,13 @@ contains
         end do
     end subroutine keep_before
 
-    !> All debts, in the first process.
-    subroutine gather_debts(ranks, coupling, all)
+    !> All deferred sources, in the first process.
+    subroutine gather_deferred_sources(ranks, coupling, all)
         type(ranks_t), intent(in) :: ranks
         type(coupling_t), intent(in) :: coupling
         type(coupling_t), intent(inout) :: all
         integer(int64) :: out(1, 0:ranks%n - 1), in(1, 0:ranks%n - 1)
-        real(dp) :: own(coupling%n_var + 1, coupling%n_debts)
+        real(dp) :: own(coupling%n_var + 1, coupling%n_deferred)
         real(dp), allocatable :: there(:, :)
         integer, allocatable :: order(:)
         type(mail_t) :: mail
@@ -60,12 +60,12 @@ contains
 
         rows = coupling%n_var + 1
         n = 0
-        do e = 1, coupling%n_debts
-            if (.not. is_own(coupling%box, coupling%debt_cell(e))) cycle
+        do e = 1, coupling%n_deferred
+            if (.not. is_own(coupling%box, coupling%deferred_cell(e))) cycle
             n = n + 1
             own(1, n) = number_of(coupling%box%whole, coupling%box%before &
-                                  + cell_at(coupling%box%n, coupling%debt_cell(e)))
-            own(2:, n) = coupling%debt(:, e)
+                                  + cell_at(coupling%box%n, coupling%deferred_cell(e)))
+            own(2:, n) = coupling%deferred(:, e)
         end do
         out = 0
         out(1, 0) = n
@@ -81,11 +81,11 @@ contains
         end do
         allocate (order(n))
         call order_rows(there(1:1, :), order)
-        call size_debts(all, n, none)
-        all%n_debts = n
-        all%debt_cell(:n) = nint(there(1, order))
-        all%debt(:, :n) = real(there(2:, order), rk)
-    end subroutine gather_debts
+        call size_deferred_sources(all, n, none)
+        all%n_deferred = n
+        all%deferred_cell(:n) = nint(there(1, order))
+        all%deferred(:, :n) = real(there(2:, order), rk)
+    end subroutine gather_deferred_sources
 
     !> Room for what a checkpoint holds of the coupling, while every process has all particles.
     subroutine begin_sharing(coupling, solid, all)
@@ -111,14 +111,14 @@ contains
             solid%v_before(:, i) = all%v_before(:, solid%id(i))
         end do
         coupling%dt_before = all%dt_before
-        coupling%n_debts = 0
-        call size_debts(coupling, all%n_debts, none)
-        do e = 1, all%n_debts
-            ijk = cell_at(coupling%box%whole, all%debt_cell(e)) - coupling%box%before
+        coupling%n_deferred = 0
+        call size_deferred_sources(coupling, all%n_deferred, none)
+        do e = 1, all%n_deferred
+            ijk = cell_at(coupling%box%whole, all%deferred_cell(e)) - coupling%box%before
             if (any(ijk < 1 .or. ijk > coupling%box%n)) cycle
-            coupling%n_debts = coupling%n_debts + 1
-            coupling%debt_cell(coupling%n_debts) = number_of(coupling%box%n, ijk)
-            coupling%debt(:, coupling%n_debts) = all%debt(:, e)
+            coupling%n_deferred = coupling%n_deferred + 1
+            coupling%deferred_cell(coupling%n_deferred) = number_of(coupling%box%n, ijk)
+            coupling%deferred(:, coupling%n_deferred) = all%deferred(:, e)
         end do
         if (solid%ranks%rank == 0) coupling%books = all%books
     end subroutine share_coupling

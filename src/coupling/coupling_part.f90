@@ -41,7 +41,7 @@ module brz_coupling_part
         real(rk), allocatable :: stresses(:, :) !! (6, out) of loaded faces, likewise
         ! wall faces: impulses go from who has the gas to who has loads to hand out
         type(parcels_t) :: faces_out, faces_in
-        type(parcels_t) :: debts_out, debts_in
+        type(parcels_t) :: deferred_out, deferred_in
         type(marks_t) :: marks
     end type coupling_part_t
 

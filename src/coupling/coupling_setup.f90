@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Start of the coupling: walls from the particles at time zero, empty cell stores, no debts.
+!> Start of the coupling: walls from the particles at time zero, empty cell stores, no deferred
+!> sources.
 module brz_coupling_setup
     use brz_air_state, only: air_t, bc_periodic, bc_symmetry, bc_wall
     use brz_air_walls, only: set_up_walls
@@ -13,7 +14,7 @@ module brz_coupling_setup
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: move_walls
     use brz_coupling_windows, only: see_window
-    use brz_debt_steps, only: enter_debts, size_debts
+    use brz_deferred_source_steps, only: enter_deferred_sources, size_deferred_sources
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_event_steps, only: put_up_walls
     use brz_face_stress, only: spread_shares
@@ -199,7 +200,8 @@ contains
         empty_part = real(max(1 - full/product(air%dx), 0.0_dp), rk)
     end function empty_part
 
-    !> Walls, bins and the map of debts as the particles and the list of debts say.
+    !> Walls, bins and the map of deferred sources as the particles and the list of deferred sources
+    !> say.
     subroutine restart_coupling(air, solid, coupling)
         type(air_t), intent(inout) :: air
         type(solid_t), intent(inout) :: solid !! read
@@ -232,7 +234,7 @@ contains
         coupling%rebuilds = solid%rebuilds
         call move_walls(solid, p, coupling, none)
         coupling%slot = 0
-        call size_debts(coupling, 0, none)
-        call enter_debts(coupling, none)
+        call size_deferred_sources(coupling, 0, none)
+        call enter_deferred_sources(coupling, none)
     end subroutine begin_walls
 end module brz_coupling_setup

@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: MIT
 !> The state of the coupling, a moving immersed boundary: walls in the air, particles by air cell,
-!> cell stores and debts.
+!> cell stores and deferred sources.
 !>
 !> A solid cell's place in air%u is its cell store: the gas that went through its wall faces, per
-!> cell volume. A gas cell may hold a debt: gas that belongs to it but is handed over slowly. Gas,
-!> cell stores and debts together change only by what leaves the box or reaches the solid.
+!> cell volume. A gas cell may hold a deferred source: gas that belongs to it but is handed over
+!> slowly. Gas, cell stores and deferred sources together change only by what leaves the box or
+!> reaches the solid.
 module brz_coupling_state
     use brz_air_state, only: wall_t
     use brz_carrier_rules, only: carrier_t
@@ -37,7 +38,7 @@ module brz_coupling_state
     type :: coupling_t
         logical :: present = .false.
         logical :: on_gpu = .false.
-        !! it is computed there: walls, velocities before and debts are fetched
+        !! it is computed there: walls, velocities before and deferred sources are fetched
         type(coupling_device_t), pointer :: device => null() !! what it has there besides
         type(ranks_t) :: ranks !! of the air
         integer :: n_var = 5 !! conserved variables of the air
@@ -46,7 +47,7 @@ module brz_coupling_state
         integer(int64) :: rebuilds = -1 !! of the bodies' lists when the particles were sorted
         integer :: n_covered = 0, n_uncovered = 0 !! cells that changed hands in this step
         real(rk) :: level = 0 !! part of a difference that neighbouring cell stores exchange
-        integer :: n_debts = 0 !! of gas cells
+        integer :: n_deferred = 0 !! of gas cells
         integer :: bodies = 0 !! that may carry particles
         real(dp) :: dt_before = 0 !! last step of the air, 0: none yet [s]
         type(coupling_books_t) :: books
@@ -78,12 +79,14 @@ module brz_coupling_state
         integer(int32), allocatable :: donor_shell(:) !! (n_donors) shell of the receivers, or 0
         real(rk), allocatable :: donation(:, :) !! (max_var, n_donors) share of each receiver
         real(rk), allocatable :: stored(:, :) !! (max_var, n_cells) copy; or what a face hands over
-        real(rk), allocatable :: excess(:) !! (n_cells) part of a cell store to be moved to debts
-        integer(int32), allocatable :: slot(:, :, :) !! (cells of the box) place among the debts, 0
-        integer(int32), allocatable :: debt_cell(:) !! (n_debts) number of the cell
-        real(rk), allocatable :: debt(:, :) !! (n_var, n_debts) per cell volume, as air%u
-        integer(int32), allocatable :: next_cell(:) !! room for the list without what is paid
-        real(rk), allocatable :: next_debt(:, :)
+        real(rk), allocatable :: excess(:) !! (n_cells) part of a cell store to be moved to deferred
+                                           !! sources
+        integer(int32), allocatable :: slot(:, :, :) !! (cells of the box) place among the deferred
+                                                     !! sources, 0
+        integer(int32), allocatable :: deferred_cell(:) !! (n_deferred) number of the cell
+        real(rk), allocatable :: deferred(:, :) !! (n_var, n_deferred) per cell volume, as air%u
+        integer(int32), allocatable :: next_cell(:) !! room for the list without what is released
+        real(rk), allocatable :: next_deferred(:, :)
         integer(int32), allocatable :: start(:) !! counts that become places in lists
         ! loads
         type(carrier_t), allocatable :: carrier(:) !! (bodies) how those move that carry particles

@@ -5,7 +5,8 @@ module brz_coupling_steps
     use brz_air_state, only: air_t
     use brz_carrier_steps, only: move_carriers, see_carriers
     use brz_coupling_state, only: coupling_t
-    use brz_debt_steps, only: level_cell_stores, limit_cell_stores, release_debts
+    use brz_deferred_source_steps, only: level_cell_stores, limit_cell_stores, &
+        release_deferred_sources
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int32, rk
     use brz_solid_state, only: solid_t
@@ -46,8 +47,8 @@ contains
         call push_walls(p, c, dt, v_before, column, err)
     end subroutine find_velocities
 
-    !> Cell stores and debts after a step. The walls move on, too: the next step, and how long it
-    !> is, depend on these alone, so that a restart finds the same.
+    !> Cell stores and deferred sources after a step. The walls move on, too: the next step, and how
+    !> long it is, depend on these alone, so that a restart finds the same.
     subroutine settle_cell_stores(air, solid, p, c, err)
         type(air_t), intent(inout) :: air
         type(solid_t), intent(in) :: solid
@@ -57,7 +58,7 @@ contains
 
         call level_cell_stores(air, c, err)
         call limit_cell_stores(air, c, err)
-        call release_debts(air, c, err)
+        call release_deferred_sources(air, c, err)
         call move_walls(solid, p, c, err)
     end subroutine settle_cell_stores
 end module brz_coupling_steps

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> Mass, momentum and energy of gas, cell stores and debts.
+!> Mass, momentum and energy of gas, cell stores and deferred sources.
 module brz_coupling_totals
     use brz_air_state, only: air_t
     use brz_air_totals, only: air_totals
     use brz_coupling_state, only: coupling_books_t, coupling_t, n_sums, put_sums, sums_in
-    use brz_debt_loops, only: each_total_debt
+    use brz_deferred_source_loops, only: each_total_deferred_source
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64, rk
     use brz_ranks, only: least_of_all, ranks_t, several, sum_of_all
@@ -15,23 +15,23 @@ module brz_coupling_totals
 contains
 
     !> Totals over the box. Their sum changes only by outflow and by what reaches the solid.
-    subroutine coupling_totals(air, coupling, gas, stored, debt, kinetic, products)
+    subroutine coupling_totals(air, coupling, gas, stored, deferred, kinetic, products)
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(coupling_t), intent(in) :: coupling
         real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
-        real(dp), intent(out) :: stored(5), debt(5) !! likewise
+        real(dp), intent(out) :: stored(5), deferred(5) !! likewise
         real(dp), intent(out), optional :: kinetic !! energy of the gas [J]
         real(dp), intent(out), optional :: products !! of explosives in all three [kg]
-        real(dp) :: owed(6)
+        real(dp) :: remains(6)
 
         call air_totals(air, coupling%wall, gas, stored, kinetic, products)
         if (coupling%paper) stored = 0 ! there is none: solid cells hold gas that is made up
-        owed = 0
-        if (coupling%present) call each_total_debt(coupling%n_debts, air%part%ranks, coupling%box, &
-            coupling%n_var, coupling%debt_cell, coupling%debt, owed)
-        owed = owed*product(air%dx)
-        debt = owed(1:5)
-        if (present(products)) products = products + owed(6)
+        remains = 0
+        if (coupling%present) call each_total_deferred_source(coupling%n_deferred, air%part%ranks, &
+            coupling%box, coupling%n_var, coupling%deferred_cell, coupling%deferred, remains)
+        remains = remains*product(air%dx)
+        deferred = remains(1:5)
+        if (present(products)) products = products + remains(6)
     end subroutine coupling_totals
 
     !> What all processes have booked. All must call.

@@ -16,7 +16,7 @@ module brz_donor_items
     use brz_scheme, only: max_var, mixture_gamma, scheme_t
     implicit none
     private
-    public :: fill_left, flag_buried, list_buried, choose_shell, owe_donation, collect_shares
+    public :: fill_left, flag_buried, list_buried, choose_shell, defer_donation, collect_shares
 
 contains
 
@@ -199,7 +199,7 @@ contains
 
     !> Nearest shell with solid cells that touch gas, and the share of each of them.
     !>
-    !> Without any within reach a cell that was left owes the gas to itself, and a buried one keeps
+    !> Without any within reach a cell that was left defers the gas itself, and a buried one keeps
     !> it.
     !@item if(27*n >= worth_threads) schedule(dynamic, 16)
     !@cuf attributes(host,device) &
@@ -215,7 +215,7 @@ contains
         real(rk), intent(inout) :: u(*)
         integer(int32), intent(inout) :: shell(*) !! 0: none within reach
         real(rk), intent(inout) :: donation(max_var, *)
-        integer(int32), intent(inout) :: flag(*) !! 1: a cell left that owes it to itself
+        integer(int32), intent(inout) :: flag(*) !! 1: a cell left that defers it
         integer, intent(inout) :: kept !@count buried cell stores that found no taker
         integer(int64) :: at
         integer :: k, m, s, takers, ijk(3), offset(3)
@@ -254,26 +254,27 @@ contains
         end if
     end subroutine choose_shell
 
-    !> Cells left that found no taker owe the gas to themselves.
+    !> Cells left that found no taker defer the gas themselves.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine owe_donation(e, n_var, debts, start, donor, donation, slot, debt_cell, debt)
+    pure subroutine defer_donation(e, n_var, so_many, start, donor, donation, slot, deferred_cell, &
+    deferred)
         integer, intent(in) :: e !! cells left
-        integer, intent(in) :: n_var, debts !! variables, debts so far
+        integer, intent(in) :: n_var, so_many !! variables, deferred sources so far
         integer(int32), intent(in) :: start(*), donor(*)
         real(rk), intent(in) :: donation(max_var, *)
-        integer(int32), intent(inout) :: slot(*), debt_cell(*)
-        real(rk), intent(inout) :: debt(n_var, *)
+        integer(int32), intent(inout) :: slot(*), deferred_cell(*)
+        real(rk), intent(inout) :: deferred(n_var, *)
         integer :: d, k
 
         if (start(e + 1) == start(e)) return
-        d = debts + start(e + 1)
+        d = so_many + start(e + 1)
         slot(donor(e)) = d
-        debt_cell(d) = donor(e)
+        deferred_cell(d) = donor(e)
         do k = 1, n_var
-            debt(k, d) = donation(k, e)
+            deferred(k, d) = donation(k, e)
         end do
-    end subroutine owe_donation
+    end subroutine defer_donation
 
     !> Each solid cell that touches gas takes its shares from the donors around it.
     !@item if(27*n >= worth_threads) schedule(dynamic, 64)

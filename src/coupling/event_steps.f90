@@ -3,7 +3,8 @@
 !> accounted for. The operations of every step, in their order.
 !>
 !> Everything is a gather over cells in their own order, so the result depends neither on the order
-!> of the particles nor on the number of threads; only debts, which are few, are booked one by one.
+!> of the particles nor on the number of threads; only deferred sources, which are few, are booked
+!> one by one.
 module brz_event_steps
     use brz_air_state, only: air_t
     use brz_air_walls, only: list_cuts
@@ -15,7 +16,7 @@ module brz_event_steps
     use brz_coupling_box, only: is_left, is_solid
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: settle_cell_stores
-    use brz_debt_steps, only: donate, fill_uncovered, settle_covered
+    use brz_deferred_source_steps, only: donate, fill_uncovered, settle_covered
     use brz_errors, only: error_t
     use brz_lists, only: at_least, clear_list, clear_map, count_in_bins, put_in_bins, &
         running_sum, swap
@@ -51,7 +52,7 @@ contains
 
     !> Bring walls, cell stores and gas up to date with the particles. Once per step of the air.
     !>
-    !> Mass, momentum and energy of gas, cell stores and debts together do not change.
+    !> Mass, momentum and energy of gas, cell stores and deferred sources together do not change.
     subroutine move_on(air, solid, p, c, err)
         type(air_t), intent(inout) :: air
         type(solid_t), intent(in) :: solid !! its bodies

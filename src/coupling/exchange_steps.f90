@@ -14,7 +14,7 @@ module brz_exchange_steps
     use brz_lists, only: at_least, clear_list, read_first
     use brz_load_loops, only: for_each_feel_load
     use brz_ranks, only: several, sum_of_all
-    use brz_shared_steps, only: share_debts, share_impulses
+    use brz_shared_steps, only: share_deferred_sources, share_impulses
     use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: solid_t
     use brz_velocity_loops, only: for_each_keep_velocity
@@ -130,7 +130,7 @@ contains
 
     !> Bring walls, cell stores and gas up to date with the particles. Once per step of the air.
     !>
-    !> Mass, momentum and energy of gas, cell stores and debts together do not change.
+    !> Mass, momentum and energy of gas, cell stores and deferred sources together do not change.
     subroutine reclassify(air, solid, c, err)
         type(air_t), intent(inout) :: air
         type(solid_t), intent(inout) :: solid !! read
@@ -141,7 +141,7 @@ contains
             call offer_window(air, c, err)
             call invite_guests(solid, c, err) ! where all meet
             call see_window(air, c, .true., err)
-            call share_debts(c, err)
+            call share_deferred_sources(c, err)
             call move_on(air, c%crowd, c%guests, c, err)
             call see_window(air, c, .false., err)
         else

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> What several processes tell each other of the coupling: who gets which particles, cells and
-!> debts. A process is asked for by a box of cells; marks are a row for each box.
+!> deferred sources. A process is asked for by a box of cells; marks are a row for each box.
 module brz_guest_items
     use brz_cell_place, only: cell_number
     use brz_cell_shells, only: cell_at, number_of

@@ -1,11 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> What several processes tell each other about the walls: the impulses of wall faces, and debts.
+!> What several processes tell each other about the walls: the impulses of wall faces, and deferred
+!> sources.
 module brz_shared_steps
     use brz_boxes, only: asks_of, cells_t, common, widened
     use brz_coupling_box, only: box_t
     use brz_coupling_state, only: coupling_t
     use brz_coupling_windows, only: mark_blocks
-    use brz_debt_steps, only: enter_debts, keep_own, size_debts, size_next
+    use brz_deferred_source_steps, only: enter_deferred_sources, keep_own, size_deferred_sources, &
+        size_next
     use brz_errors, only: error_t
     use brz_guest_loops, only: for_each_mark_cells, for_each_renumber
     use brz_kinds, only: int32, int64
@@ -17,7 +19,7 @@ module brz_shared_steps
     use brz_send_lists, only: count_marks, list_marks, place_pieces, reserve_marks
     implicit none
     private
-    public :: put_windows, list_shared_faces, share_impulses, share_debts
+    public :: put_windows, list_shared_faces, share_impulses, share_deferred_sources
 
 contains
 
@@ -85,8 +87,8 @@ contains
         call c%part%parcels%send(c%part%faces_out, c%part%faces_in, impulses, impulses, err)
     end subroutine share_impulses
 
-    !> Renew the debts of other processes that this one sees.
-    subroutine share_debts(c, err)
+    !> Renew the deferred sources of other processes that this one sees.
+    subroutine share_deferred_sources(c, err)
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         integer(int64) :: out(1, c%ranks%n), all(1, c%ranks%n, c%ranks%n)
@@ -94,21 +96,21 @@ contains
         call keep_own(c, err)
         associate (part => c%part, n => c%ranks%n)
             out = 0
-            call find_firsts(out, part%debts_out%first)
-            if (c%n_debts > 0) call list_cells(c, c%n_debts, c%debt_cell, part%windows, &
-                part%marks, part%debts_out, err)
-            out(1, :) = part%debts_out%first(1:) - part%debts_out%first(:n - 1)
+            call find_firsts(out, part%deferred_out%first)
+            if (c%n_deferred > 0) call list_cells(c, c%n_deferred, c%deferred_cell, part%windows, &
+                part%marks, part%deferred_out, err)
+            out(1, :) = part%deferred_out%first(1:) - part%deferred_out%first(:n - 1)
             call tell_all(c%ranks, out, all)
         end associate
-        if (sum(all) > 0) call swap_debts(c, all(1, :, :), err)
-        call enter_debts(c, err)
-    end subroutine share_debts
+        if (sum(all) > 0) call swap_deferred_sources(c, all(1, :, :), err)
+        call enter_deferred_sources(c, err)
+    end subroutine share_deferred_sources
 
-    !> Send the listed debts, and put those of others behind those of this process. On the way their
-    !> cells have the numbers of the grid.
-    subroutine swap_debts(c, all, err)
+    !> Send the listed deferred sources, and put those of others behind those of this process. On
+    !> the way their cells have the numbers of the grid.
+    subroutine swap_deferred_sources(c, all, err)
         type(coupling_t), intent(inout), target :: c
-        integer(int64), intent(in) :: all(:, :) !! (to processes, from processes) debts
+        integer(int64), intent(in) :: all(:, :) !! (to processes, from processes) deferred sources
         type(error_t), intent(inout) :: err
         integer(int64) :: in(1, size(all, 1))
         type(box_t) :: grid
@@ -120,18 +122,19 @@ contains
         grid%n = grid%whole
         in(1, :) = all(c%ranks%rank + 1, :)
         more = int(sum(in))
-        call size_debts(c, c%n_debts + more, err)
-        call size_next(c, c%n_debts + more, err)
-        call for_each_renumber(c%on_gpu, c%n_debts, c%box, grid, c%debt_cell, c%next_cell, err)
-        next = c%n_debts
-        call place_pieces(c%on_gpu, in, next, c%part%marks, c%part%debts_in, err)
+        call size_deferred_sources(c, c%n_deferred + more, err)
+        call size_next(c, c%n_deferred + more, err)
+        call for_each_renumber(c%on_gpu, c%n_deferred, c%box, grid, c%deferred_cell, c%next_cell, &
+            err)
+        next = c%n_deferred
+        call place_pieces(c%on_gpu, in, next, c%part%marks, c%part%deferred_in, err)
         rows = [rows_of(c%on_gpu, c%next_cell, 1), &
-                rows_of(c%on_gpu, c%debt, c%n_var*words_of_real)]
-        call c%part%parcels%aim(all, c%part%debts_out, err)
-        call c%part%parcels%send(c%part%debts_out, c%part%debts_in, rows, rows, err)
-        first = c%n_debts + 1
+                rows_of(c%on_gpu, c%deferred, c%n_var*words_of_real)]
+        call c%part%parcels%aim(all, c%part%deferred_out, err)
+        call c%part%parcels%send(c%part%deferred_out, c%part%deferred_in, rows, rows, err)
+        first = c%n_deferred + 1
         if (more > 0) call for_each_renumber(c%on_gpu, more, grid, c%box, c%next_cell(first:), &
-            c%debt_cell(first:), err)
-        c%n_debts = c%n_debts + more
-    end subroutine swap_debts
+            c%deferred_cell(first:), err)
+        c%n_deferred = c%n_deferred + more
+    end subroutine swap_deferred_sources
 end module brz_shared_steps

@@ -34,7 +34,7 @@ contains
         if (coupling%present) then
             if (allocated(coupling%wall%solid)) &
                 call demand(all(within(int(coupling%wall%solid), 1)), 'coupling/solid', name)
-            associate (cell => coupling%debt_cell(:coupling%n_debts))
+            associate (cell => coupling%deferred_cell(:coupling%n_deferred))
                 call demand(all(cell >= 1 .and. cell <= product(real(air%whole, dp))), &
                             'coupling/debt_cell', name)
             end associate

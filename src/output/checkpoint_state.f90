@@ -290,11 +290,11 @@ contains
         call carry(file, 'coupling/impulse', coupling%books%impulse, err)
         call carry(file, 'coupling/impulse_reference', coupling%books%impulse_reference, err)
         call carry(file, 'coupling/images', coupling%books%images, err)
-        call carry_debts(file, coupling, err)
+        call carry_deferred_sources(file, coupling, err)
     end subroutine carry_coupling
 
-    !> The list of debts, as long as it is.
-    subroutine carry_debts(file, coupling, err)
+    !> The list of deferred sources, as long as it is.
+    subroutine carry_deferred_sources(file, coupling, err)
         type(h5_t), intent(in) :: file
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
@@ -303,15 +303,15 @@ contains
         if (.not. file%writing) then
             call h5_shape(file, 'coupling/debt_cell', shape_there, err)
             if (failed(err)) return
-            coupling%n_debts = int(shape_there(1))
-            if (allocated(coupling%debt)) deallocate (coupling%debt, coupling%debt_cell)
+            coupling%n_deferred = int(shape_there(1))
+            if (allocated(coupling%deferred)) deallocate (coupling%deferred, coupling%deferred_cell)
         end if
-        if (.not. allocated(coupling%debt)) &
-            allocate (coupling%debt(coupling%n_var, coupling%n_debts), &
-                      coupling%debt_cell(coupling%n_debts))
-        associate (n => coupling%n_debts)
-            call carry(file, 'coupling/debt_cell', coupling%debt_cell(:n), err)
-            call carry(file, 'coupling/debt', coupling%debt(:, :n), err)
+        if (.not. allocated(coupling%deferred)) &
+            allocate (coupling%deferred(coupling%n_var, coupling%n_deferred), &
+                      coupling%deferred_cell(coupling%n_deferred))
+        associate (n => coupling%n_deferred)
+            call carry(file, 'coupling/debt_cell', coupling%deferred_cell(:n), err)
+            call carry(file, 'coupling/debt', coupling%deferred(:, :n), err)
         end associate
-    end subroutine carry_debts
+    end subroutine carry_deferred_sources
 end module brz_checkpoint_state

@@ -21,7 +21,8 @@ module brz_together
         logical :: by_files = .false. !! copies of the processes write: they cannot send messages
         type(solid_t), allocatable :: whole !! the bodies of all, in the first process
         integer(int64), allocatable :: in(:, :) !! particles that come: see begin_gather
-        type(coupling_t), allocatable :: all !! books and debts of all, in the first process
+        type(coupling_t), allocatable :: all !! books and deferred sources of all, in the first
+                                             !! process
         type(air_books_t) :: books !! of the air of all
     end type together_t
 

@@ -155,7 +155,7 @@ contains
         end do
         changed = coupling%books%covered + coupling%books%uncovered
         write (output_unit, '(a, a, i0, a, i0, a)') what, ': ', changed, ' changes so far, ', &
-            coupling%n_debts, ' debts; ms each step'
+            coupling%n_deferred, ' debts; ms each step'
         write (output_unit, '(6(a, f8.3))') '  wall velocity', ms(1), ', load', ms(2), &
             ', reclassify', ms(3), ', fastest wall', ms(4), '; of these: find cells', ms(5), &
             ', bins', ms(6)

@@ -33,7 +33,9 @@ def test_bodies_in_air_move_as_on_the_cpu(deck):
     same("gpu", "cpu", deck)
     with h5py.File(sorted((deck / "gpu").glob("chk_*.h5"))[-1]) as file:
         assert file["coupling/uncovered_total"][()] > 20  # cells that the body has left,
-        assert len(file["coupling/debt_cell"]) > 20  # some of them far behind, with debts
+        assert (
+            len(file["coupling/debt_cell"]) > 20
+        )  # some of them far behind, with deferred sources
     first = ("--set", "run.max_steps=9", "--out", "parts")
     assert run(deck, "f.nml", "--backend", "gpu", *first).returncode == 0
     second = ("--restart", "latest", "--out", "parts")

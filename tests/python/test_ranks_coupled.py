@@ -69,7 +69,8 @@ def alone(tmp_path_factory):
 
 
 def state_of(folder):
-    """The last checkpoint: cells of all processes in one, particles by number, debts by cell."""
+    """The last checkpoint: cells of all processes in one, particles by number, deferred sources by
+    cell."""
     path = sorted(folder.glob("chk_??????.h5"))[-1]
     state = arrays(path)
     if "air/boxes" in state:

@@ -303,8 +303,8 @@ def _pelted_alone(gpu, tmp_path_factory):
 @needs_mpirun
 @pytest.mark.parametrize(("n", "m"), [(2, None), slow(4, None), slow(4, 3)])
 def test_bodies_in_air_do_not_depend_on_gpus(n, m, gpu, pelted_alone, tmp_path):
-    """Cells change hands, and debts lie beside boxes; after a restart outflow is to rounding. By
-    the host, too."""
+    """Cells change hands, and deferred sources lie beside boxes; after a restart outflow is to
+    rounding. By the host, too."""
     more = {"BRISANCE_TRANSPORT": "mpi"} if n == 2 else {}
     args = PELTED if m is None else ("--set", "run.max_steps=18")
     done = go(n, tmp_path, gpu, *args, deck=pelted(2), **more)
@@ -340,7 +340,7 @@ def test_what_goes_wrong_among_bodies_in_air_ends_all(fault, gpu, tmp_path):
     assert "process 2 of 2: " in done.stderr
 
 
-# Its walls are all in one box and then all in the other, and lists of debts grow there.
+# Its walls are all in one box and then all in the other, and lists of deferred sources grow there.
 ACROSS = """\
 &run title = 'across', t_end = 5e-5, energy_band = 0.5 /
 &air box = 0, 0.2, 0, 0.1, 0, 0.1, cells = 20, 10, 10, activity = .false.,
@@ -368,7 +368,7 @@ def test_a_body_flies_from_one_gpu_to_the_next(gpu, tmp_path):
     equal_runs(tmp_path / "out0", tmp_path / "out2")
 
 
-# A body that runs into gas: the lists of debts grow from one entry to two.
+# A body that runs into gas: the lists of deferred sources grow from one entry to two.
 GROWN = """\
 &run t_end = 1e-3, dimension = 1, max_steps = 26 /
 &air box = -0.018, 0.018, 0, 1, 0, 1, cells = 134, 1, 1 /
@@ -381,7 +381,7 @@ GROWN = """\
 
 
 @needs_mpirun
-def test_a_list_of_one_debt_grows(gpu, tmp_path):
+def test_a_list_of_one_deferred_source_grows(gpu, tmp_path):
     """The driver guards its memory."""
     for n in (0, 2):
         done = go(n, tmp_path, gpu, deck=GROWN, out=f"out{n}")

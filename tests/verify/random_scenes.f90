@@ -208,14 +208,15 @@ contains
         if (.not. all(s%least > 0)) s%fault = 'gas without density or internal energy'
     end subroutine judge
 
-    !> Mass and momentum of gas, cell stores, debts, what has left the box and what the walls took.
+    !> Mass and momentum of gas, cell stores, deferred sources, what has left the box and what the
+    !> walls took.
     subroutine total(s, sum)
         type(random_scene_t), intent(inout) :: s !! the totals use its work space
         real(dp), intent(out) :: sum(4)
-        real(dp) :: debt(5), gas(5), stored(5)
+        real(dp) :: deferred(5), gas(5), stored(5)
 
-        call coupling_totals(s%air, s%coupling, gas, stored, debt)
-        sum = gas(1:4) + stored(1:4) + debt(1:4) + s%air%outflow(1:4)
+        call coupling_totals(s%air, s%coupling, gas, stored, deferred)
+        sum = gas(1:4) + stored(1:4) + deferred(1:4) + s%air%outflow(1:4)
         sum(2:4) = sum(2:4) + s%coupling%books%impulse + s%coupling%books%impulse_reference &
                    + s%coupling%books%images
     end subroutine total

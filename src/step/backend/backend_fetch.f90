@@ -8,7 +8,7 @@ module brz_backend_fetch
     use brz_coupling_copy, only: fetch_books, fetch_coupling, note_coupling
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: coupling_totals
-    use brz_debt_steps, only: stored_totals
+    use brz_deferred_source_steps, only: stored_totals
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: fetch_air, fetch_cells, fetch_walls, note_air
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
@@ -22,7 +22,7 @@ module brz_backend_fetch
     implicit none
     private
     public :: stock_of_air, stock_of_books, stock_of_interfaces
-    public :: fetch_sums, fetch_order, fetch_debts, fetch_state, take_snapshot
+    public :: fetch_sums, fetch_order, fetch_deferred_sources, fetch_state, take_snapshot
     public :: fetch_followed, fetch_around
 
 contains
@@ -33,11 +33,11 @@ contains
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(coupling_t), intent(inout) :: coupling !! its work and impulse are brought up to date
         real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
-        real(dp), intent(out) :: kept(5) !! the same in cell stores and debts
+        real(dp), intent(out) :: kept(5) !! the same in cell stores and deferred sources
         real(dp), intent(out) :: kinetic !! energy of the gas [J]
         real(dp), intent(out) :: products !! mass of products of explosives [kg]
         type(error_t), intent(inout) :: err
-        real(dp) :: debt(5), totals(0:6), more
+        real(dp) :: deferred(5), totals(0:6), more
 
         if (backend%on_gpu) then
             call gpu_air_totals(air%device, air, totals, err)
@@ -52,8 +52,8 @@ contains
             kinetic = totals(0)
             products = totals(6) + more
         else
-            call coupling_totals(air, coupling, gas, kept, debt, kinetic, products)
-            kept = kept + debt
+            call coupling_totals(air, coupling, gas, kept, deferred, kinetic, products)
+            kept = kept + deferred
         end if
     end subroutine stock_of_air
 
@@ -101,15 +101,15 @@ contains
         call fetch_gpu_points(solid%device, .false., solid%cohesive, err)
     end subroutine fetch_order
 
-    !> The same for a checkpoint: debts and books of the coupling.
-    subroutine fetch_debts(air, coupling, err)
+    !> The same for a checkpoint: deferred sources and books of the coupling.
+    subroutine fetch_deferred_sources(air, coupling, err)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
 
         if (failed(err) .or. .not. coupling%on_gpu) return
         call fetch_coupling(air, coupling, err)
-    end subroutine fetch_debts
+    end subroutine fetch_deferred_sources
 
     !> Bring the state to the host, for a dump or a checkpoint, with fetch_sums before. It is read
     !> alone, so that a snapshot can take the place of the GPU.

@@ -64,7 +64,7 @@ module brz_conservation_audit
         real(dp) :: time = 0 !! [s]
         real(dp) :: gas(5) = 0 !! mass, momentum x, y, z, energy of the gas
         real(dp) :: gas_kinetic = 0 !! part of the gas energy [J]
-        real(dp) :: kept(5) = 0 !! the same in cell stores and debts
+        real(dp) :: kept(5) = 0 !! the same in cell stores and deferred sources
         real(dp) :: outflow(5) = 0 !! what left through the outer faces so far
         real(dp) :: solid_kinetic = 0, solid_internal = 0, hourglass = 0, artificial = 0 !! [J]
         !> parts of solid_internal so far [J]
@@ -81,7 +81,8 @@ module brz_conservation_audit
         real(dp) :: available = 0 !! energy of the air above that of its rest [J]
         real(dp) :: reference_work = 0 !! part of air_work that the reference pressure did [J]
         real(dp) :: total = 0 !! energy of everything [J]
-        real(dp) :: products = 0 !! mass of products of explosives in gas, cell stores and debts
+        real(dp) :: products = 0 !! mass of products of explosives in gas, cell stores and deferred
+                                 !! sources
                                  !! [kg]
         real(dp) :: products_out = 0 !! what of it left through the outer faces so far [kg]
         real(dp) :: fallback_faces = 0 !! faces that fell back to first order so far
@@ -281,8 +282,9 @@ contains
 
     !> True while no mass and no momentum of the air is missing, but for rounding.
     !>
-    !> Gas, cell stores, debts, outflow and what the walls took must add up to what was there at the
-    !> start, whatever happens in the scene; rounding of a million steps stays far below the bound.
+    !> Gas, cell stores, deferred sources, outflow and what the walls took must add up to what was
+    !> there at the start, whatever happens in the scene; rounding of a million steps stays far
+    !> below the bound.
     pure logical function is_balanced(audit)
         type(balance_t), intent(in) :: audit
         real(dp), parameter :: rounding = sqrt(real(epsilon(1.0_rk), dp))

@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> Gas that is stored in solid cells (cell stores) and deferred sources of gas cells (debts): flux
+!> Gas that is stored in solid cells and deferred sources of gas cells (deferred sources): flux
 !> redistribution. The operations of every step, in their order, and what donors hand over.
-module brz_debt_steps
+module brz_deferred_source_steps
     use brz_air_state, only: air_t
     use brz_coupling_device, only: book_at, book_images, book_low
     use brz_coupling_state, only: coupling_t
-    use brz_debt_loops, only: for_each_enter_debt, for_each_flag_own, for_each_move_debt, &
-        for_each_pay_debt, for_each_settle_debt, for_each_total_debt
+    use brz_deferred_source_loops, only: for_each_enter_deferred_source, for_each_flag_own, &
+        for_each_move_deferred_source, for_each_pay_deferred_source, &
+        for_each_settle_deferred_source, for_each_total_deferred_source
     use brz_donor_loops, only: for_each_choose_shell, for_each_collect_shares, for_each_fill_left, &
         for_each_flag_buried, for_each_list_buried, for_each_owe_donation
     use brz_errors, only: error_t
@@ -18,8 +19,9 @@ module brz_debt_steps
     use brz_scheme, only: max_var
     implicit none
     private
-    public :: level_cell_stores, limit_cell_stores, release_debts, settle_covered, enter_debts
-    public :: fill_uncovered, donate, size_debts, size_next, keep_own, stored_totals
+    public :: level_cell_stores, limit_cell_stores, release_deferred_sources, settle_covered, &
+        enter_deferred_sources
+    public :: fill_uncovered, donate, size_deferred_sources, size_next, keep_own, stored_totals
 
 contains
 
@@ -41,7 +43,7 @@ contains
                                    c%wall%solid, c%wall%index, c%wall%face_of, c%stored, air%u, err)
     end subroutine level_cell_stores
 
-    !> Keep each cell store in its band; the excess becomes debt of the gas beside.
+    !> Keep each cell store in its band; the excess becomes a deferred source of the gas beside.
     subroutine limit_cell_stores(air, c, err)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: c
@@ -60,91 +62,93 @@ contains
                                    c%wall%solid, c%wall%index, c%wall%face_of, c%excess, c%slot, &
                                    c%start, err)
         call running_sum(c%on_gpu, c%start, c%wall%n_faces, err, opened)
-        call size_debts(c, c%n_debts + opened, err)
-        call for_each_open_excess(c%on_gpu, c%wall%n_faces, c%n_var, c%n_debts, c%start, c%gas, &
-                                  c%slot, c%debt_cell, c%debt, err)
-        c%n_debts = c%n_debts + opened
+        call size_deferred_sources(c, c%n_deferred + opened, err)
+        call for_each_open_excess(c%on_gpu, c%wall%n_faces, c%n_var, c%n_deferred, c%start, c%gas, &
+                                  c%slot, c%deferred_cell, c%deferred, err)
+        c%n_deferred = c%n_deferred + opened
         call for_each_give_excess(c%on_gpu, c%wall%n_faces, c%box, c%n_var, c%gas, &
                                   c%wall%face_cell, c%wall%solid, c%wall%index, c%wall%face_of, &
-                                  c%excess, c%stored, c%slot, c%debt, err)
+                                  c%excess, c%stored, c%slot, c%deferred, err)
     end subroutine limit_cell_stores
 
-    !> Pay a part of each debt.
-    subroutine release_debts(air, c, err)
+    !> Release a part of each deferred source.
+    subroutine release_deferred_sources(air, c, err)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
-        if (c%n_debts == 0) return
-        call at_least(c%on_gpu, c%start, c%n_debts + 1, err)
-        call for_each_pay_debt(c%on_gpu, c%n_debts, c%box, c%n_var, c%debt_cell, air%u, c%debt, &
-                               c%start, err)
+        if (c%n_deferred == 0) return
+        call at_least(c%on_gpu, c%start, c%n_deferred + 1, err)
+        call for_each_pay_deferred_source(c%on_gpu, c%n_deferred, c%box, c%n_var, c%deferred_cell, &
+                               air%u, c%deferred, c%start, err)
         call drop_paid(c, err)
-    end subroutine release_debts
+    end subroutine release_deferred_sources
 
-    !> Cells that were covered take their debts into their cell stores.
+    !> Cells that were covered take their deferred sources into their cell stores.
     subroutine settle_covered(air, c, err)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
-        if (c%n_debts == 0) return
-        call at_least(c%on_gpu, c%start, c%n_debts + 1, err)
-        call for_each_settle_debt(c%on_gpu, c%n_debts, c%box, c%n_var, c%debt_cell, c%wall%solid, &
-                                  air%u, c%debt, c%start, err)
+        if (c%n_deferred == 0) return
+        call at_least(c%on_gpu, c%start, c%n_deferred + 1, err)
+        call for_each_settle_deferred_source(c%on_gpu, c%n_deferred, c%box, c%n_var, &
+                                  c%deferred_cell, c%wall%solid, air%u, c%deferred, c%start, err)
         call drop_paid(c, err)
     end subroutine settle_covered
 
-    !> Drop the debts of cells of other processes.
+    !> Drop the deferred sources of cells of other processes.
     subroutine keep_own(c, err)
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
-        if (c%n_debts == 0) return
-        call at_least(c%on_gpu, c%start, c%n_debts + 1, err)
-        call for_each_flag_own(c%on_gpu, c%n_debts, c%box, c%debt_cell, c%start, err)
+        if (c%n_deferred == 0) return
+        call at_least(c%on_gpu, c%start, c%n_deferred + 1, err)
+        call for_each_flag_own(c%on_gpu, c%n_deferred, c%box, c%deferred_cell, c%start, err)
         call drop_paid(c, err)
     end subroutine keep_own
 
-    !> Close the gaps in the list that paid debts leave; `start` holds 1 for each that stays.
+    !> Close the gaps in the list that released sources leave; `start` holds 1 for each that stays.
     subroutine drop_paid(c, err)
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         integer :: left
 
-        call running_sum(c%on_gpu, c%start, c%n_debts, err, left)
-        if (left == c%n_debts) return
-        call size_next(c, c%n_debts, err)
-        call for_each_move_debt(c%on_gpu, c%n_debts, c%n_var, c%start, c%debt_cell, c%debt, &
-                                c%slot, c%next_cell, c%next_debt, err)
-        c%n_debts = left
-        call swap(c%debt_cell, c%next_cell)
-        call swap(c%debt, c%next_debt)
+        call running_sum(c%on_gpu, c%start, c%n_deferred, err, left)
+        if (left == c%n_deferred) return
+        call size_next(c, c%n_deferred, err)
+        call for_each_move_deferred_source(c%on_gpu, c%n_deferred, c%n_var, c%start, &
+                                c%deferred_cell, c%deferred, c%slot, c%next_cell, c%next_deferred, &
+                                err)
+        c%n_deferred = left
+        call swap(c%deferred_cell, c%next_cell)
+        call swap(c%deferred, c%next_deferred)
     end subroutine drop_paid
 
-    !> Enter all debts in the map of cells, which holds none.
-    subroutine enter_debts(c, err)
+    !> Enter all deferred sources in the map of cells, which holds none.
+    subroutine enter_deferred_sources(c, err)
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
-        if (c%n_debts > 0) call for_each_enter_debt(c%on_gpu, c%n_debts, c%debt_cell, c%slot, err)
-    end subroutine enter_debts
+        if (c%n_deferred > 0) call for_each_enter_deferred_source(c%on_gpu, c%n_deferred, &
+            c%deferred_cell, c%slot, err)
+    end subroutine enter_deferred_sources
 
-    !> Room for n debts; those already listed are kept.
-    subroutine size_debts(c, n, err)
+    !> Room for n deferred sources; those already listed are kept.
+    subroutine size_deferred_sources(c, n, err)
         type(coupling_t), intent(inout) :: c
         integer, intent(in) :: n
         type(error_t), intent(inout) :: err
 
-        if (room_of(c%debt_cell) >= max(n, 1)) return
+        if (room_of(c%deferred_cell) >= max(n, 1)) return
         call size_next(c, 2*n + 64, err)
-        call copy_first(c%on_gpu, c%n_debts, c%debt_cell, c%next_cell, err)
-        call copy_first(c%on_gpu, c%n_debts, c%n_var, c%debt, c%next_debt, err)
-        call swap(c%debt_cell, c%next_cell)
-        call swap(c%debt, c%next_debt)
-    end subroutine size_debts
+        call copy_first(c%on_gpu, c%n_deferred, c%deferred_cell, c%next_cell, err)
+        call copy_first(c%on_gpu, c%n_deferred, c%n_var, c%deferred, c%next_deferred, err)
+        call swap(c%deferred_cell, c%next_cell)
+        call swap(c%deferred, c%next_deferred)
+    end subroutine size_deferred_sources
 
-    !> Room for a list of n debts that is to take the place of the one that is there.
+    !> Room for a list of n deferred sources that is to take the place of the one that is there.
     subroutine size_next(c, n, err)
         type(coupling_t), intent(inout) :: c
         integer, intent(in) :: n
@@ -152,7 +156,7 @@ contains
 
         ! the two always have the same room: no buffer of a GPU is shorter than two entries of one
         call at_least(c%on_gpu, c%next_cell, max(n, 2), err)
-        call at_least(c%on_gpu, c%next_debt, c%n_var, max(n, 2), err)
+        call at_least(c%on_gpu, c%next_deferred, c%n_var, max(n, 2), err)
     end subroutine size_next
 
     !> Give the cells that the solid left the state of the gas around; what is over they give away.
@@ -172,7 +176,7 @@ contains
                                 c%wall%index, c%ends, c%wall%v, air%u, c%donor, c%donation, err)
     end subroutine fill_uncovered
 
-    !> Hand the gas of the donors to the cell stores nearby; what finds none is owed, or waits.
+    !> Hand the gas of the donors to the cell stores nearby; what finds none is deferred, or waits.
     subroutine donate(air, c, err)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: c
@@ -194,30 +198,30 @@ contains
                                    c%start, kept, err)
         c%books%kept = c%books%kept + kept
         call running_sum(c%on_gpu, c%start, donors, err, opened)
-        call size_debts(c, c%n_debts + opened, err)
-        if (opened > 0) call for_each_owe_donation(c%on_gpu, left, c%n_var, c%n_debts, c%start, &
-            c%donor, c%donation, c%slot, c%debt_cell, c%debt, err)
-        c%n_debts = c%n_debts + opened
+        call size_deferred_sources(c, c%n_deferred + opened, err)
+        if (opened > 0) call for_each_owe_donation(c%on_gpu, left, c%n_var, c%n_deferred, c%start, &
+            c%donor, c%donation, c%slot, c%deferred_cell, c%deferred, err)
+        c%n_deferred = c%n_deferred + opened
         call for_each_collect_shares(c%on_gpu, n, donors, left, c%box, c%shells, c%cell, &
                                      c%wall%face_of, c%mark, c%donor, c%donor_shell, c%donation, &
                                      air%u, err)
     end subroutine donate
 
-    !> Totals of cell stores and debts, of all processes.
+    !> Totals of cell stores and deferred sources, of all processes.
     subroutine stored_totals(air, c, kept, products, err)
         type(air_t), intent(in) :: air !! read in solid cells
         type(coupling_t), intent(inout) :: c
         real(dp), intent(out) :: kept(5) !! mass [kg], momentum [kg m/s], energy [J]
         real(dp), intent(out) :: products !! mass of products of explosives [kg]
         type(error_t), intent(inout) :: err
-        real(dp) :: total(6), owed(6)
+        real(dp) :: total(6), remains(6)
 
         call for_each_total_ledger(c%on_gpu, c%wall%n_cells, air%part%ranks, c%box, c%cell, air%u, &
                                    total, err)
-        call for_each_total_debt(c%on_gpu, c%n_debts, air%part%ranks, c%box, c%n_var, c%debt_cell, &
-                                 c%debt, owed, err)
-        total = (total + owed)*product(c%box%dx)
+        call for_each_total_deferred_source(c%on_gpu, c%n_deferred, air%part%ranks, c%box, &
+                                 c%n_var, c%deferred_cell, c%deferred, remains, err)
+        total = (total + remains)*product(c%box%dx)
         kept = total(1:5)
         products = total(6)
     end subroutine stored_totals
-end module brz_debt_steps
+end module brz_deferred_source_steps
