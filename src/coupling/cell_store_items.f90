@@ -15,7 +15,7 @@ module brz_cell_store_items
     use brz_scheme, only: max_var
     implicit none
     private
-    public :: copy_stored, level_stored, book_level, judge_stored, take_excess, first_excess, &
+    public :: copy_stored, level_stored, record_level, judge_stored, take_excess, first_excess, &
               open_excess, give_excess, total_stored
     public :: faces_at
 
@@ -124,7 +124,8 @@ contains
     !> Momentum that images behind planes of symmetry get from the cell stores.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine book_level(c, box, shells, part, cell, solid, cell_of, face_of, stored, images)
+    pure subroutine record_level(c, box, shells, part, cell, solid, cell_of, face_of, stored, &
+    images)
         integer, intent(in) :: c !! solid cells
         type(box_t), intent(in) :: box
         type(shells_t), intent(in) :: shells !@buffer
@@ -158,7 +159,7 @@ contains
                     *(real(stored(1 + d, c), dp) + stored(1 + d, b))
             end do
         end do
-    end subroutine book_level
+    end subroutine record_level
 
     !> Part of each cell store that lies beyond its band, which is -1..2 of the gas beside it.
     !@item

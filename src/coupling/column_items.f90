@@ -19,7 +19,7 @@ module brz_column_items
     use brz_scheme, only: mixture_gamma, scheme_t
     implicit none
     private
-    public :: find_above, weigh_column, feel_gas, press_face, book_face, load_particle
+    public :: find_above, weigh_column, feel_gas, press_face, record_face, load_particle
     public :: bear_load, depth_weight, force_from, look_ahead
 
     integer, parameter :: at_once = 8 !! particles of a bin
@@ -232,10 +232,10 @@ contains
                                box%area(direction_of(rows(f))), dt)
     end subroutine press_face
 
-    !> The books of work and impulse, as the air sees them.
+    !> The diagnostics of work and impulse, as the air sees them.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine book_face(f, box, dt, gas, rows, owner, impulse, v, work, given, taken)
+    pure subroutine record_face(f, box, dt, gas, rows, owner, impulse, v, work, given, taken)
         integer, intent(in) :: f !! wall faces
         type(box_t), intent(in) :: box
         real(dp), intent(in) :: dt !! step of the air [s]
@@ -259,7 +259,7 @@ contains
             given(d) = given(d) + (push - reference)
             taken(d) = taken(d) + reference
         end do
-    end subroutine book_face
+    end subroutine record_face
 
     !> Load of each particle, from all faces whose columns reach its cell.
     !@item

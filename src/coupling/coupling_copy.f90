@@ -6,7 +6,7 @@
 module brz_coupling_copy
     use brz_air_state, only: air_t
     use brz_air_walls, only: build_walls
-    use brz_coupling_device, only: book_high, book_low, n_book, n_sums
+    use brz_coupling_device, only: diag_high, diag_low, n_diag, n_sums
     use brz_coupling_state, only: coupling_t, put_sums, sums_in
     use brz_coupling_windows, only: open_windows_of_gpus
     use brz_deferred_source_steps, only: enter_deferred_sources, size_deferred_sources
@@ -26,13 +26,13 @@ module brz_coupling_copy
     use brz_wall_steps, only: find_mean_velocity
     implicit none
     private
-    public :: open_gpu_coupling, fetch_coupling, note_coupling, fetch_books, fastest_wall
+    public :: open_gpu_coupling, fetch_coupling, note_coupling, fetch_diagnostics, fastest_wall
 
 contains
 
     !> Give the coupling memory on the GPU and put the walls up where the particles are there: it is
-    !> computed there from now on. Deferred sources and books are those of the host; the cell stores
-    !> are in the air.
+    !> computed there from now on. Deferred sources and diagnostics are those of the host; the cell
+    !> stores are in the air.
     subroutine open_gpu_coupling(air, solid, c, err)
         type(air_t), intent(inout) :: air !! on the GPU, opened with walls
         type(solid_t), intent(inout) :: solid !! on the GPU; read
@@ -54,7 +54,7 @@ contains
             call begin_walls(air, solid, c, err)
         end if
         call put_deferred_sources(c, err)
-        call put_books(c, err)
+        call put_diagnostics(c, err)
     end subroutine open_gpu_coupling
 
     !> Copies of what does not grow.
@@ -72,7 +72,7 @@ contains
         call enter_data(c%mark, err)
         c%slot = 0
         call enter_data(c%slot, err)
-        call allocate_buffer(c%device%book, 8_int64*tally_threads*n_book, err)
+        call allocate_buffer(c%device%diag, 8_int64*tally_threads*n_diag, err)
         call allocate_buffer(c%device%speed, 8_int64*tally_threads, err)
         if (several(solid%ranks)) return
         call enter_data(c%cell_of, err)
@@ -116,34 +116,35 @@ contains
         call enter_deferred_sources(c, err)
     end subroutine put_deferred_sources
 
-    subroutine put_books(c, err)
+    subroutine put_diagnostics(c, err)
         type(coupling_t), intent(in) :: c
         type(error_t), intent(inout) :: err
-        real(dp) :: book(tally_threads, n_book)
+        real(dp) :: diag(tally_threads, n_diag)
 
-        book = 0
-        book(1, :n_sums) = sums_in(c%books)
-        book(:, book_low) = c%books%stored_low
-        book(:, book_high) = c%books%stored_high
-        call copy_in(book, c%device%book, 8_int64*size(book), err)
-    end subroutine put_books
+        diag = 0
+        diag(1, :n_sums) = sums_in(c%diagnostics)
+        diag(:, diag_low) = c%diagnostics%stored_low
+        diag(:, diag_high) = c%diagnostics%stored_high
+        call copy_in(diag, c%device%diag, 8_int64*size(diag), err)
+    end subroutine put_diagnostics
 
     !> Bring work, impulse and the range of the cell stores to the host.
-    subroutine fetch_books(c, err)
+    subroutine fetch_diagnostics(c, err)
         type(coupling_t), intent(inout) :: c !! on the GPU
         type(error_t), intent(inout) :: err
-        real(dp) :: book(tally_threads, n_book)
+        real(dp) :: diag(tally_threads, n_diag)
 
-        book = 0
-        call copy_out(c%device%book, book, 8_int64*size(book), err)
+        diag = 0
+        call copy_out(c%device%diag, diag, 8_int64*size(diag), err)
         if (failed(err)) return
-        call put_sums(sum(book(:, :n_sums), 1), c%books)
-        c%books%stored_low = real(minval(book(:, book_low)), rk)
-        c%books%stored_high = real(maxval(book(:, book_high)), rk)
-    end subroutine fetch_books
+        call put_sums(sum(diag(:, :n_sums), 1), c%diagnostics)
+        c%diagnostics%stored_low = real(minval(diag(:, diag_low)), rk)
+        c%diagnostics%stored_high = real(maxval(diag(:, diag_high)), rk)
+    end subroutine fetch_diagnostics
 
-    !> Bring walls, deferred sources and books to the host, for a dump or a checkpoint. Of what else
-    !> the host has (bins, columns, the map of deferred sources) only the room means something.
+    !> Bring walls, deferred sources and diagnostics to the host, for a dump or a checkpoint. Of
+    !> what else the host has (bins, columns, the map of deferred sources) only the room means
+    !> something.
     subroutine fetch_coupling(air, c, err)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: c !! on the GPU
@@ -161,7 +162,7 @@ contains
             call update_host(c%deferred_cell(:c%n_deferred), err)
             call update_host(c%deferred(:, :c%n_deferred), err)
         end if
-        call fetch_books(c, err)
+        call fetch_diagnostics(c, err)
     end subroutine fetch_coupling
 
     !> What fetch_coupling reads.
@@ -171,7 +172,7 @@ contains
 
         call snapshot%note([buffer_of(c%wall%solid), buffer_of(c%wall%v), &
                             buffer_of(c%deferred_cell), buffer_of(c%deferred), &
-                            c%device%book%buffer_t])
+                            c%device%diag%buffer_t])
         if (allocated(c%v_before)) call snapshot%note([buffer_of(c%v_before)])
     end subroutine note_coupling
 

@@ -4,7 +4,7 @@ module brz_coupling_gather
     use brz_cell_shells, only: cell_at, number_of
     use brz_coupling_box, only: is_own
     use brz_coupling_state, only: coupling_t
-    use brz_coupling_totals, only: books_of_all
+    use brz_coupling_totals, only: diagnostics_of_all
     use brz_deferred_source_steps, only: size_deferred_sources
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int64, rk
@@ -28,7 +28,7 @@ contains
         all%n_var = coupling%n_var
         all%dt_before = coupling%dt_before
         associate (ranks => coupling%ranks)
-            call books_of_all(ranks, coupling, all%books)
+            call diagnostics_of_all(ranks, coupling, all%diagnostics)
             call gather_deferred_sources(ranks, coupling, all)
         end associate
     end subroutine gather_coupling
@@ -99,7 +99,7 @@ contains
     end subroutine begin_sharing
 
     !> Keep what this process needs of it. Every process has all particles; the first one keeps the
-    !> books.
+    !> diagnostics.
     subroutine share_coupling(all, solid, coupling)
         type(coupling_t), intent(in) :: all
         type(solid_t), intent(inout) :: solid
@@ -120,6 +120,6 @@ contains
             coupling%deferred_cell(coupling%n_deferred) = number_of(coupling%box%n, ijk)
             coupling%deferred(:, coupling%n_deferred) = all%deferred(:, e)
         end do
-        if (solid%ranks%rank == 0) coupling%books = all%books
+        if (solid%ranks%rank == 0) coupling%diagnostics = all%diagnostics
     end subroutine share_coupling
 end module brz_coupling_gather

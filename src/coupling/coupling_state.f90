@@ -19,11 +19,11 @@ module brz_coupling_state
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: coupling_t, coupling_books_t, side_of, sums_in, put_sums
+    public :: coupling_t, coupling_diagnostics_t, side_of, sums_in, put_sums
     public :: n_sums
 
     !> What the air has given to the bodies, and other sums over all steps.
-    type :: coupling_books_t
+    type :: coupling_diagnostics_t
         real(dp) :: work = 0 !! sum of J.v_w: energy that the air spent on moving walls [J]
         real(dp) :: work_reference = 0 !! part of it that the reference pressure did [J]
         real(dp) :: impulse(3) = 0 !! given to the solid, reference pressure taken off [N s]
@@ -33,7 +33,7 @@ module brz_coupling_state
         integer(int64) :: kept = 0 !! buried cell stores that found no taker (counted each step)
         real(rk) :: stored_low = 0 !! least cell store so far, in units of the gas beside it
         real(rk) :: stored_high = 0 !! largest, likewise
-    end type coupling_books_t
+    end type coupling_diagnostics_t
 
     type :: coupling_t
         logical :: present = .false.
@@ -50,7 +50,7 @@ module brz_coupling_state
         integer :: n_deferred = 0 !! of gas cells
         integer :: bodies = 0 !! that may carry particles
         real(dp) :: dt_before = 0 !! last step of the air, 0: none yet [s]
-        type(coupling_books_t) :: books
+        type(coupling_diagnostics_t) :: diagnostics
         logical :: paper = .false. !! as the paper prints it, see brz_coupling_paper
         real(rk) :: spread = 1.5_rk !! depth over which a load is spread, in air cells
         real(rk) :: reference_pressure = 0 !! taken off every load [Pa]
@@ -102,24 +102,24 @@ module brz_coupling_state
 
 contains
 
-    !> Work and impulses of the books in a row, in the order of the columns on a GPU.
-    pure function sums_in(books) result(sums)
-        type(coupling_books_t), intent(in) :: books
+    !> Work and impulses of the diagnostics in a row, in the order of the columns on a GPU.
+    pure function sums_in(diagnostics) result(sums)
+        type(coupling_diagnostics_t), intent(in) :: diagnostics
         real(dp) :: sums(n_sums)
 
-        sums = [books%work, books%work_reference, books%impulse, books%impulse_reference, &
-                books%images]
+        sums = [diagnostics%work, diagnostics%work_reference, diagnostics%impulse, &
+                diagnostics%impulse_reference, diagnostics%images]
     end function sums_in
 
     !> The same from a row.
-    pure subroutine put_sums(sums, books)
+    pure subroutine put_sums(sums, diagnostics)
         real(dp), intent(in) :: sums(n_sums)
-        type(coupling_books_t), intent(inout) :: books
+        type(coupling_diagnostics_t), intent(inout) :: diagnostics
 
-        books%work = sums(1)
-        books%work_reference = sums(2)
-        books%impulse = sums(3:5)
-        books%impulse_reference = sums(6:8)
-        books%images = sums(9:11)
+        diagnostics%work = sums(1)
+        diagnostics%work_reference = sums(2)
+        diagnostics%impulse = sums(3:5)
+        diagnostics%impulse_reference = sums(6:8)
+        diagnostics%images = sums(9:11)
     end subroutine put_sums
 end module brz_coupling_state

@@ -3,14 +3,14 @@
 module brz_coupling_totals
     use brz_air_state, only: air_t
     use brz_air_totals, only: air_totals
-    use brz_coupling_state, only: coupling_books_t, coupling_t, n_sums, put_sums, sums_in
+    use brz_coupling_state, only: coupling_diagnostics_t, coupling_t, n_sums, put_sums, sums_in
     use brz_deferred_source_loops, only: each_total_deferred_source
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64, rk
     use brz_ranks, only: least_of_all, ranks_t, several, sum_of_all
     implicit none
     private
-    public :: coupling_totals, books_of_all
+    public :: coupling_totals, diagnostics_of_all
 
 contains
 
@@ -34,26 +34,26 @@ contains
         if (present(products)) products = products + remains(6)
     end subroutine coupling_totals
 
-    !> What all processes have booked. All must call.
-    subroutine books_of_all(ranks, coupling, books)
+    !> What all processes have recorded. All must call.
+    subroutine diagnostics_of_all(ranks, coupling, diagnostics)
         type(ranks_t), intent(in) :: ranks
         type(coupling_t), intent(in) :: coupling
-        type(coupling_books_t), intent(out) :: books
+        type(coupling_diagnostics_t), intent(out) :: diagnostics
         real(dp) :: sums(n_sums), least(2)
         integer(int64) :: counts(3)
 
-        books = coupling%books
+        diagnostics = coupling%diagnostics
         if (.not. several(ranks)) return
-        call exact_sums(ranks, reshape(sums_in(books), [n_sums, 1]), sums)
-        call put_sums(sums, books)
-        counts = [books%covered, books%uncovered, books%kept]
+        call exact_sums(ranks, reshape(sums_in(diagnostics), [n_sums, 1]), sums)
+        call put_sums(sums, diagnostics)
+        counts = [diagnostics%covered, diagnostics%uncovered, diagnostics%kept]
         call sum_of_all(ranks, counts)
-        books%covered = counts(1)
-        books%uncovered = counts(2)
-        books%kept = counts(3)
-        least = [books%stored_low, -books%stored_high]
+        diagnostics%covered = counts(1)
+        diagnostics%uncovered = counts(2)
+        diagnostics%kept = counts(3)
+        least = [diagnostics%stored_low, -diagnostics%stored_high]
         call least_of_all(ranks, least)
-        books%stored_low = real(least(1), rk)
-        books%stored_high = real(-least(2), rk)
-    end subroutine books_of_all
+        diagnostics%stored_low = real(least(1), rk)
+        diagnostics%stored_high = real(-least(2), rk)
+    end subroutine diagnostics_of_all
 end module brz_coupling_totals

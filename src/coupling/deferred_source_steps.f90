@@ -3,7 +3,7 @@
 !> redistribution. The operations of every step, in their order, and what donors hand over.
 module brz_deferred_source_steps
     use brz_air_state, only: air_t
-    use brz_coupling_device, only: book_at, book_images, book_low
+    use brz_coupling_device, only: diag_at, diag_images, diag_low
     use brz_coupling_state, only: coupling_t
     use brz_deferred_source_loops, only: for_each_enter_deferred_source, for_each_flag_own, &
         for_each_move_deferred_source, for_each_pay_deferred_source, &
@@ -37,7 +37,7 @@ contains
         if (any(c%box%mirrors)) then
             call for_each_book_level(c%on_gpu, c%wall%n_cells, c%box, c%shells, c%level, c%cell, &
                                      c%wall%solid, c%wall%index, c%wall%face_of, c%stored, &
-                                     c%books%images, book_at(c%device, book_images), err)
+                                     c%diagnostics%images, diag_at(c%device, diag_images), err)
         end if
         call for_each_level_ledger(c%on_gpu, c%wall%n_cells, c%box, c%shells, c%level, c%cell, &
                                    c%wall%solid, c%wall%index, c%wall%face_of, c%stored, air%u, err)
@@ -52,8 +52,9 @@ contains
 
         over = 0
         call for_each_judge_ledger(c%on_gpu, c%wall%n_cells, c%box, c%cell, c%gas, c%wall%face_of, &
-                                   air%u, c%excess, c%books%stored_low, c%books%stored_high, over, &
-                                   book_at(c%device, book_low), err)
+                                   air%u, c%excess, c%diagnostics%stored_low, &
+                                   c%diagnostics%stored_high, over, diag_at(c%device, diag_low), &
+                                   err)
         if (over == 0) return
         call for_each_take_excess(c%on_gpu, c%wall%n_cells, c%box, c%cell, c%wall%face_of, &
                                   c%excess, air%u, c%stored, err)
@@ -196,7 +197,7 @@ contains
         call for_each_choose_shell(c%on_gpu, donors, left, c%box, c%shells, c%donor, c%wall%solid, &
                                    c%wall%index, c%wall%face_of, air%u, c%donor_shell, c%donation, &
                                    c%start, kept, err)
-        c%books%kept = c%books%kept + kept
+        c%diagnostics%kept = c%diagnostics%kept + kept
         call running_sum(c%on_gpu, c%start, donors, err, opened)
         call size_deferred_sources(c, c%n_deferred + opened, err)
         if (opened > 0) call for_each_owe_donation(c%on_gpu, left, c%n_var, c%n_deferred, c%start, &

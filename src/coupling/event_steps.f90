@@ -3,7 +3,7 @@
 !> accounted for. The operations of every step, in their order.
 !>
 !> Everything is a gather over cells in their own order, so the result depends neither on the order
-!> of the particles nor on the number of threads; only deferred sources, which are few, are booked
+!> of the particles nor on the number of threads; only deferred sources, which are few, are recorded
 !> one by one.
 module brz_event_steps
     use brz_air_state, only: air_t
@@ -65,8 +65,8 @@ contains
         ! where they were sorted anew, so are the particles of a cell
         if (moved > 0 .or. solid%rebuilds /= c%rebuilds) then
             call find_changes(p, c, own, err)
-            c%books%covered = c%books%covered + own(1)
-            c%books%uncovered = c%books%uncovered + own(2)
+            c%diagnostics%covered = c%diagnostics%covered + own(1)
+            c%diagnostics%uncovered = c%diagnostics%uncovered + own(2)
             if (c%n_covered + c%n_uncovered > 0) call change_hands(air, c, err)
             call fill_bins(p, c, err)
         end if

@@ -149,7 +149,7 @@ contains
         end if
         if (.not. c%on_gpu) return
         air%device%fetched = .false.
-        ! of any process: the books count cells of this one alone
+        ! of any process: the diagnostics count cells of this one alone
         if (c%n_covered + c%n_uncovered > 0) c%device%walls_fetched = .false.
     end subroutine reclassify
 end module brz_exchange_steps

@@ -5,7 +5,7 @@ module brz_wall_steps
     use brz_air_state, only: air_t
     use brz_column_loops, only: for_each_bear_load, for_each_book_face, for_each_feel_gas, &
         for_each_load_particle, for_each_press_face, for_each_weigh_column
-    use brz_coupling_device, only: book_at, book_work
+    use brz_coupling_device, only: diag_at, diag_work
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int32, rk
@@ -78,13 +78,14 @@ contains
         call for_each_keep_velocity(c%on_gpu, p%n, p%wide, 1, 3, p%v, p%id, c%v_before, err)
     end subroutine keep_velocities
 
-    !> Loads of the particles, and the books of the walls. The columns are those of before the step.
+    !> Loads of the particles, and the diagnostics of the walls. The columns are those of before the
+    !> step.
     subroutine press_bodies(p, c, dt, err)
         type(solid_t), intent(inout) :: p
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! step of the air [s]
         type(error_t), intent(inout) :: err
-        real(dp) :: work(2), given(3), taken(3) !! on a GPU in its books
+        real(dp) :: work(2), given(3), taken(3) !! on a GPU in its diagnostics
 
         work = 0
         given = 0
@@ -93,14 +94,14 @@ contains
                                  c%force, err)
         call for_each_book_face(c%on_gpu, c%wall%n_faces, c%box, dt, c%gas, c%rows, &
                                 c%wall%face_cell, c%wall%impulse, c%wall%v, work, given, taken, &
-                                book_at(c%device, book_work), err)
+                                diag_at(c%device, diag_work), err)
         call for_each_load_particle(c%on_gpu, p%n, c%box, p%wide, p%step_d, p%step_p, c%place_of, &
                                     c%above, c%gas, c%rows, c%surface, c%weight, c%force, p%x, &
                                     p%mass, p%load, err)
-        c%books%work = c%books%work + work(1)
-        c%books%work_reference = c%books%work_reference + work(2)
-        c%books%impulse = c%books%impulse + given
-        c%books%impulse_reference = c%books%impulse_reference + taken
+        c%diagnostics%work = c%diagnostics%work + work(1)
+        c%diagnostics%work_reference = c%diagnostics%work_reference + work(2)
+        c%diagnostics%impulse = c%diagnostics%impulse + given
+        c%diagnostics%impulse_reference = c%diagnostics%impulse_reference + taken
     end subroutine press_bodies
 
     !> Stress that the loads bring to the faces of bodies, after press_bodies.

@@ -82,8 +82,9 @@ contains
                 solid%load(:, p) = solid%load(:, p) &
                                    + force/(coupling%ends(c + 1) - coupling%ends(c))
             end do
-            coupling%books%impulse = coupling%books%impulse + force*dt
-            coupling%books%work = coupling%books%work + dt*dot_product(force, coupling%wall%v(:, c))
+            coupling%diagnostics%impulse = coupling%diagnostics%impulse + force*dt
+            coupling%diagnostics%work = coupling%diagnostics%work + &
+                dt*dot_product(force, coupling%wall%v(:, c))
         end do
     end subroutine add_forces
 end module brz_coupling_paper

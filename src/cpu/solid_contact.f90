@@ -54,11 +54,11 @@ contains
         end do
         solid%dt_limit = limit
         if (solid%links%faces) call refresh_rows(solid) ! with what contact brings by the faces
-        call book(solid)
+        call diag(solid)
     end subroutine contact_pass
 
     !> Energy, heat of damping and of friction of all blocks to their bodies, in fixed order.
-    subroutine book(solid)
+    subroutine diag(solid)
         type(solid_t), intent(inout) :: solid
         integer :: k
 
@@ -72,7 +72,7 @@ contains
                 account%early = account%early + sums(kept_early)
             end associate
         end do
-    end subroutine book
+    end subroutine diag
 
     !> Kernel sum over other bodies at the start: where it exceeds that of a flat surface, as in a
     !> bar within concrete, contact begins there.

@@ -69,11 +69,11 @@ contains
             end associate
         end do
         solid%dt_limit = minval(solid%bodies%dt_limit)
-        if (dt > 0) call book_work(solid)
+        if (dt > 0) call record_work(solid)
     end subroutine gradient_pass
 
     !> Add the work of the blocks to the energy accounts of the bodies, in fixed order.
-    subroutine book_work(solid)
+    subroutine record_work(solid)
         type(solid_t), intent(inout) :: solid
         integer :: k
 
@@ -85,7 +85,7 @@ contains
                 account%load = account%load + solid%search%sums(4, k)
             end associate
         end do
-    end subroutine book_work
+    end subroutine record_work
 
     subroutine gradient_block(solid, body, dt, k)
         type(solid_t), intent(inout) :: solid
@@ -235,7 +235,7 @@ contains
                                     real(stable_step(body%cfl, size, shrink*c_wave, shrink*c_bulk, &
                                                      body%alpha, body%beta, h), dp))
         rho = solid%materials(body%material)%density*(1 + solid%mu(i))
-        if (allocated(solid%face_stress)) call book_face(solid, body, dt, i, k, rho, h)
+        if (allocated(solid%face_stress)) call record_face(solid, body, dt, i, k, rho, h)
         call working_stress(solid, body, i, dt > 0, rho, f, s)
         if (tilted) b = transpose(b)
         call multiply3(s, b, solid%pair(pair_stress + 1, i))
@@ -257,10 +257,10 @@ contains
         if (solid%held(held_stiffness, i) > 0) solid%search%drawn(k) = .true.
     end subroutine advance
 
-    !> Book the work of the stress that a load brings to faces: it is work of the load. The air pays
-    !> that on the velocity of its surface cells, which lies as deep as its load, and no more: the
-    !> rest is taken out of the energy of the layer above.
-    pure subroutine book_face(solid, body, dt, i, k, rho, h)
+    !> Record the work of the stress that a load brings to faces: it is work of the load. The air
+    !> pays that on the velocity of its surface cells, which lies as deep as its load, and no more:
+    !> the rest is taken out of the energy of the layer above.
+    pure subroutine record_face(solid, body, dt, i, k, rho, h)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: dt
@@ -274,7 +274,7 @@ contains
         else
             solid%energy(i) = real(solid%energy(i) - work, rk)
         end if
-    end subroutine book_face
+    end subroutine record_face
 
     !> The stress that acts along the arms of the pairs, less what the load brings by the faces.
     pure subroutine working_stress(solid, body, i, loaded, rho, f, s)

@@ -14,9 +14,9 @@ module brz_device
         cu_module_function, cu_module_load, cu_stream_create, cu_synchronize, cu_to_device, &
         driver_message, load_driver
     use brz_errors, only: error_t, exit_device, failed, raise
-    use brz_host_calls, only: book_call, to_copy, to_launch, to_read, to_reserve, to_wait
+    use brz_host_calls, only: record_call, to_copy, to_launch, to_read, to_reserve, to_wait
     use brz_host_room, only: read_memory
-    use brz_kernel_profile, only: book_launch, profiling
+    use brz_kernel_profile, only: record_launch, profiling
     use brz_kinds, only: dp, int64, int8
     use brz_present_table, only: detach_all
     use brz_text, only: to_text
@@ -219,7 +219,7 @@ contains
         began = wall_seconds()
         call check(cu_allocate(buffer%address, buffer%bytes), 'reserving '//to_text(bytes)// &
                    ' bytes', err)
-        call book_call(to_reserve, buffer%bytes, began)
+        call record_call(to_reserve, buffer%bytes, began)
         held = [held, buffer%address]
         call clear_buffer(buffer, err)
     end subroutine allocate_buffer
@@ -244,7 +244,7 @@ contains
         if (buffer%address == 0) return
         began = wall_seconds()
         code = cu_free(buffer%address)
-        call book_call(to_reserve, 0_int64, began)
+        call record_call(to_reserve, 0_int64, began)
         held = pack(held, held /= buffer%address)
         buffer%address = 0
     end subroutine free_buffer
@@ -280,7 +280,7 @@ contains
         if (present(bytes)) n = bytes
         began = wall_seconds()
         call check(cu_fill_bytes(buffer%address, 0_c_signed_char, n), 'clearing', err)
-        call book_call(to_copy, 0_int64, began)
+        call record_call(to_copy, 0_int64, began)
     end subroutine clear_buffer
 
     !> Copy a contiguous array to the GPU.
@@ -295,7 +295,7 @@ contains
         began = wall_seconds()
         call check(cu_to_device(buffer%address, c_loc(x), int(bytes, c_size_t)), &
                    'copying to the GPU', err)
-        call book_call(to_copy, bytes, began)
+        call record_call(to_copy, bytes, began)
     end subroutine copy_in
 
     !> A new buffer that holds a contiguous array.
@@ -320,7 +320,7 @@ contains
         began = wall_seconds()
         call check(read_memory(c_loc(x), buffer%address, bytes), &
                    'copying from the GPU (or a kernel before it)', err)
-        call book_call(to_read, bytes, began)
+        call record_call(to_read, bytes, began)
     end subroutine copy_out
 
     !> Let the GPU copy to and from memory of the host without a detour, until `free_all`. Memory
@@ -344,7 +344,7 @@ contains
         if (failed(err) .or. bytes == 0) return
         began = wall_seconds()
         call check(cu_copy(to%address, from%address, bytes), 'copying on the GPU', err)
-        call book_call(to_copy, bytes, began)
+        call record_call(to_copy, bytes, began)
     end subroutine copy_within
 
     !> Launch a kernel with n threads, in x rounded up to whole blocks: the kernel must check its x.
@@ -371,10 +371,10 @@ contains
         call check(cu_launch(kernel%handle, (n(1) - 1)/threads_per_block + 1, n(2), n(3), &
                              threads_per_block, 1, 1, 0_c_int, stream, values, c_null_ptr), &
                    'launching '//trim(kernel%name), err)
-        call book_call(to_launch, 0_int64, start)
+        call record_call(to_launch, 0_int64, start)
         if (.not. profiling) return
         call wait_for_device(err)
-        call book_launch(kernel%name, wall_seconds() - start)
+        call record_launch(kernel%name, wall_seconds() - start)
     end subroutine launch
 
     !> From now on kernels of different `lane` may run side by side, with 0 again in order. What
@@ -400,6 +400,6 @@ contains
         if (failed(err)) return
         began = wall_seconds()
         call check(cu_synchronize(), 'the work of the kernels', err)
-        call book_call(to_wait, 0_int64, began)
+        call record_call(to_wait, 0_int64, began)
     end subroutine wait_for_device
 end module brz_device

@@ -5,7 +5,7 @@ module brz_device_events
     use brz_cuda_driver, only: cu_event_create, cu_event_record, cu_event_synchronize
     use brz_device, only: check
     use brz_errors, only: error_t, failed
-    use brz_host_calls, only: book_call, to_wait
+    use brz_host_calls, only: record_call, to_wait
     use brz_kinds, only: dp, int64
     use brz_timer, only: wall_seconds
     implicit none
@@ -41,6 +41,6 @@ contains
         if (failed(err)) return
         began = wall_seconds()
         call check(cu_event_synchronize(event%handle), 'the work of the kernels', err)
-        call book_call(to_wait, 0_int64, began)
+        call record_call(to_wait, 0_int64, began)
     end subroutine wait_for_event
 end module brz_device_events

@@ -8,7 +8,7 @@ module brz_host_calls
     use brz_timer, only: wall_seconds
     implicit none
     private
-    public :: counting, count_calls, enter_part, book_call, print_calls
+    public :: counting, count_calls, enter_part, record_call, print_calls
     public :: to_launch, to_copy, to_read, to_wait, to_reserve
 
     ! kinds of calls
@@ -68,7 +68,7 @@ contains
     end subroutine enter_part
 
     !> One call that began at some time.
-    subroutine book_call(kind, bytes, began)
+    subroutine record_call(kind, bytes, began)
         integer, intent(in) :: kind
         integer(int64), intent(in) :: bytes
         real(dp), intent(in) :: began !! wall clock [s]
@@ -79,7 +79,7 @@ contains
             part%bytes(kind) = part%bytes(kind) + bytes
             part%inside(kind) = part%inside(kind) + (wall_seconds() - began)
         end associate
-    end subroutine book_call
+    end subroutine record_call
 
     !> A table for each process; all must call, with the same parts.
     subroutine print_calls(unit, ranks)

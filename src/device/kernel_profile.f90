@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> Time by kernel: every launch is waited for and booked under the name of its kernel. That makes a
-!> run slower, by some 20 us a launch, and nothing runs beside anything else.
+!> Time by kernel: every launch is waited for and recorded under the name of its kernel. That makes
+!> a run slower, by some 20 us a launch, and nothing runs beside anything else.
 module brz_kernel_profile
     use brz_kinds, only: dp, int64
     use brz_ranks, only: ranks_t, several, sum_of_all
     implicit none
     private
-    public :: profiling, start_profile, book_launch, print_profile
+    public :: profiling, start_profile, record_launch, print_profile
 
     type :: launches_t
         character(32) :: name = '' !! of the kernel
@@ -21,7 +21,7 @@ module brz_kernel_profile
 
 contains
 
-    !> Book the launches from now on.
+    !> Record the launches from now on.
     subroutine start_profile()
         profiling = .true.
         n = 0
@@ -29,7 +29,7 @@ contains
     end subroutine start_profile
 
     !> One launch; kernels beyond the table are left out.
-    subroutine book_launch(name, seconds)
+    subroutine record_launch(name, seconds)
         character(*), intent(in) :: name
         real(dp), intent(in) :: seconds !! until it was done
         integer :: k
@@ -42,7 +42,7 @@ contains
         table(k)%name = name
         table(k)%launches = table(k)%launches + 1
         table(k)%seconds = table(k)%seconds + seconds
-    end subroutine book_launch
+    end subroutine record_launch
 
     !> The kernels of each process that took at least a thousandth of its time, the longest first,
     !> and their sum; all must call.

@@ -12,7 +12,7 @@ module brz_air_steps
     use brz_air_lost, only: first_lost
     use brz_air_stage, only: stage_of
     use brz_air_state, only: air_ok, air_t, air_unphysical, wall_t
-    use brz_air_totals, only: book_outflow
+    use brz_air_totals, only: record_outflow
     use brz_brick_steps, only: settle_bricks, wake_bricks
     use brz_errors, only: error_t
     use brz_face_loops, only: for_each_add_push, for_each_sum_face
@@ -86,7 +86,7 @@ contains
             call for_each_add_push(air%on_gpu, wall%n_faces, wall%push, wall%impulse, err)
     end subroutine take_rates
 
-    !> Add up what leaves through the outer faces; on a GPU it is booked when somebody asks.
+    !> Add up what leaves through the outer faces; on a GPU it is recorded when somebody asks.
     subroutine add_outflow(air, stage, err)
         type(air_t), intent(inout) :: air
         type(stage_t), intent(in) :: stage
@@ -97,7 +97,7 @@ contains
         faces = faces_of_bricks(air%grid%n, air%grid%bricks)
         call for_each_sum_face(air%on_gpu, 2*air%n_var*faces, faces, air%grid, stage, air%edge, &
                                air%leaving, err)
-        if (.not. air%on_gpu) call book_outflow(air)
+        if (.not. air%on_gpu) call record_outflow(air)
     end subroutine add_outflow
 
     !> Fill the ghosts of all directions that are modelled. Where the box of another process begins

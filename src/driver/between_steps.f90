@@ -12,7 +12,7 @@ module brz_between_steps
     use brz_errors, only: error_t
     implicit none
     private
-    public :: begin_between, book_between, force_between
+    public :: begin_between, record_between, force_between
 
 contains
 
@@ -29,7 +29,7 @@ contains
     end subroutine begin_between
 
     !> The forces after a step, and what they gave in it.
-    subroutine book_between(solid, dt, err)
+    subroutine record_between(solid, dt, err)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
@@ -41,7 +41,7 @@ contains
             call force_between(solid, solid%between(k)%body, force, err)
             call add_impulse(solid%between(k), force, dt)
         end do
-    end subroutine book_between
+    end subroutine record_between
 
     !> Force on the first of two bodies by the second, on all processes the same bits [N].
     subroutine force_between(solid, body, force, err)

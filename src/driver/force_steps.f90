@@ -10,7 +10,7 @@ module brz_force_steps
     use brz_errors, only: error_t
     implicit none
     private
-    public :: forces_on_body, book_impulse, n_forces
+    public :: forces_on_body, record_impulse, n_forces
 
     integer, parameter :: n_forces = 12 !! sums of brz_force_items
 
@@ -36,7 +36,7 @@ contains
     end subroutine forces_on_body
 
     !> Impulse of the load on all bodies that are awake, over a step.
-    subroutine book_impulse(solid, dt, err)
+    subroutine record_impulse(solid, dt, err)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
@@ -49,5 +49,5 @@ contains
             call forces_on_body(solid, b, [0.0_dp, 0.0_dp, 0.0_dp], sums, err)
             solid%bodies(b)%impulse = solid%bodies(b)%impulse + dt*sums(7:9)
         end do
-    end subroutine book_impulse
+    end subroutine record_impulse
 end module brz_force_steps

@@ -4,7 +4,7 @@
 module brz_home_backend
     use brz_errors, only: error_t
     use brz_ghost_wants, only: cpu_find_boxes => find_boxes, cpu_find_lowest => find_lowest, homes_of
-    use brz_gpu_solid_home, only: close_books, gpu_fetch_homes => fetch_homes, &
+    use brz_gpu_solid_home, only: close_diagnostics, gpu_fetch_homes => fetch_homes, &
         gpu_find_boxes => find_boxes, gpu_find_lowest => find_lowest, &
         gpu_list_leaving => list_leaving, gpu_send_away => send_away, &
         gpu_settle_places => settle_places, put_region, put_wants
@@ -75,7 +75,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (solid%on_gpu) then
-            call close_books(solid%device, solid, changed, err)
+            call close_diagnostics(solid%device, solid, changed, err)
             call gpu_list_leaving(solid, number, leaving, err)
         else
             call list_marks(.false., solid%n, number, solid%part%marks_t, leaving, err)

@@ -11,7 +11,7 @@ module brz_motion_steps
     use brz_list_drift, only: level_unit
     use brz_motion_loops, only: for_each_drift_particle, for_each_note_particle
     use brz_move_level, only: move_levels
-    use brz_solid_books, only: begin_kick, book_work
+    use brz_solid_diagnostics, only: begin_kick, record_work
     use brz_solid_state, only: solid_t
     use brz_errors, only: error_t
     implicit none
@@ -56,7 +56,7 @@ contains
                     solid%x_built, solid%x, solid%v, solid%work, solid%moved, err)
             end associate
         end do
-        if (.not. solid%on_gpu) call book_work(solid)
+        if (.not. solid%on_gpu) call record_work(solid)
     end subroutine kick_bodies
 
     !> How far the particles of each body have moved relative to it since its list was built: the

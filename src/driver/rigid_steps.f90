@@ -3,10 +3,10 @@
 !>
 !> The particles of a rigid body carry its mass to contact, air and output. Their velocity is kept
 !> at half steps like that of all others, and `a` is what brings it to the step. All processes move
-!> a rigid body, the first books its work.
+!> a rigid body, the first records its work.
 module brz_rigid_steps
     use brz_air_force, only: grip_of, load_of
-    use brz_drive, only: begin_motion, book_drive, end_motion
+    use brz_drive, only: begin_motion, record_drive, end_motion
     use brz_energy_account, only: energy_account_t
     use brz_force_loops, only: for_each_sum_region
     use brz_formulation_names, only: form_rigid
@@ -19,7 +19,7 @@ module brz_rigid_steps
     use brz_push_layout, only: push_layout_t
     use brz_rigid_pose, only: pose_of, resting_pose
     use brz_solid_backend, only: add_held_impulse
-    use brz_solid_books, only: book_drag
+    use brz_solid_diagnostics, only: record_drag
     use brz_solid_state, only: solid_t
     use brz_errors, only: error_t
     implicit none
@@ -44,11 +44,11 @@ contains
                 reaction = body%reaction
                 if (body%motion%n > 0) then
                     load = body%rigid%load
-                    if (solid%ranks%rank > 0) body%rigid%load = 0 ! the first books it
-                    call book_drive(body, solid%time, dt, v)
+                    if (solid%ranks%rank > 0) body%rigid%load = 0 ! the first records it
+                    call record_drive(body, solid%time, dt, v)
                     body%rigid%load = load
                     body%rigid%p = body%rigid%mass*v
-                    ! the work on free particles is in `book`, and added to this
+                    ! the work on free particles is in `diag`, and added to this
                     if (solid%on_gpu) call add_work(solid, b, body%account%load - was%load)
                 end if
                 if (body%motion%n > 0 .and. body%formulation /= form_rigid) &
@@ -135,7 +135,7 @@ contains
                 call for_each_settle_heat(solid%on_gpu, there%last - there%first + 1, there%first, lay, &
                     solid%step_d, solid%step_p, dt, turn(1), turn(2), turn(3), l%row, &
                     solid%mass, l%push(:, 1:), solid%a, solid%energy, heat_of(solid), err)
-                if (.not. solid%on_gpu) call book_drag(solid, b)
+                if (.not. solid%on_gpu) call record_drag(solid, b)
             end associate
         end do
     end subroutine settle_drag
@@ -227,7 +227,7 @@ contains
                 was = body%account
                 call end_motion(body%regions(m), solid%time, dt, sums, was, work)
                 if (solid%ranks%rank == 0) body%account = was
-                ! the work on free particles is in `book`, and added to this
+                ! the work on free particles is in `diag`, and added to this
                 if (solid%on_gpu .and. solid%ranks%rank == 0) call add_work(solid, b, work)
                 v = velocity_of(body%regions(m), solid%time)
                 call for_each_follow_drive(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, m, &

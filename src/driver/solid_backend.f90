@@ -4,7 +4,7 @@
 module brz_solid_backend
     use brz_drive, only: cpu_add_held_impulse => add_held_impulse
     use brz_errors, only: error_t
-    use brz_gpu_solid_books, only: gpu_add_held_impulse => add_held_impulse, fetch_limit, &
+    use brz_gpu_solid_diagnostics, only: gpu_add_held_impulse => add_held_impulse, fetch_limit, &
         note_boxes, sum_states
     use brz_gpu_solid_contact, only: gpu_break_bonds => break_bonds, &
         gpu_contact_pass => contact_pass, gpu_find_press => find_press, note_awake
@@ -160,7 +160,7 @@ contains
         end if
     end subroutine end_support
 
-    !> Add the mean force of body b on what holds it in the last pass 2, and book its impulse.
+    !> Add the mean force of body b on what holds it in the last pass 2, and record its impulse.
     subroutine add_held_impulse(solid, b, dt, force, err)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b

@@ -4,7 +4,7 @@
 module brz_solid_steps
     use brz_cohesive_steps, only: cohesive_pass
     use brz_errors, only: error_t
-    use brz_gpu_solid_motion, only: book_first_half
+    use brz_gpu_solid_motion, only: record_first_half
     use brz_host_calls, only: enter_part
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: drift_bodies, find_stale
@@ -27,7 +27,7 @@ module brz_solid_steps
 
 contains
 
-    !> One time step under the present `load`. The first kick is half a step; its heat is booked
+    !> One time step under the present `load`. The first kick is half a step; its heat is recorded
     !> now that the length of the step is known.
     subroutine solid_step(solid, dt, err)
         type(solid_t), intent(inout) :: solid
@@ -39,7 +39,7 @@ contains
         if (solid%on_gpu) call begin_on_gpu(solid, err)
         if (solid%steps == 0) call force_pass(solid, dt/2, err)
         if (solid%on_gpu .and. solid%steps == 0) &
-            call book_first_half(solid%device, solid, dt, err)
+            call record_first_half(solid%device, solid, dt, err)
         call drift_bodies(solid, dt)
         call move_rigid(solid, dt, err)
         call kick_bodies(solid, dt, err)

@@ -4,7 +4,7 @@
 module brz_gpu_air_sums
     use brz_air_device, only: air_device_t
     use brz_air_state, only: air_t
-    use brz_air_totals, only: book_outflow
+    use brz_air_totals, only: record_outflow
     use brz_device, only: copy_out
     use brz_air_grid, only: column
     use brz_brick_launches, only: brick_kernels
@@ -65,6 +65,6 @@ contains
         call copy_out(gpu%leaving, air%leaving, 8*size(air%leaving, kind=int64), err)
         if (failed(err)) return
         air%left = gpu%left_before
-        call book_outflow(air)
+        call record_outflow(air)
     end subroutine gpu_outflow
 end module brz_gpu_air_sums

@@ -9,8 +9,8 @@ module brz_gpu_solid_contact
     use brz_errors, only: error_t, failed
     use brz_gpu_common, only: pick
     use brz_gpu_solid_ghosts, only: refresh_motion, refresh_press, refresh_rows
-    use brz_gpu_solid_layout, only: book_contact, book_contact_early, book_contact_heat, book_rub
-    use brz_gpu_solid_state, only: book_of
+    use brz_gpu_solid_layout, only: diag_contact, diag_contact_early, diag_contact_heat, diag_rub
+    use brz_gpu_solid_state, only: diag_of
     use brz_solid_device, only: solid_device_t
     use brz_kinds, only: dp, int64, rk
     use brz_present_table, only: on_device
@@ -148,14 +148,14 @@ contains
             call refresh_press(gpu, err)
             call clear_buffer(gpu%extra, err)
             do k = 1, count(l%awake(1, :) > 0)
-                call forget(book_of(gpu, book_contact), l%awake(:, k), err)
-                call forget(book_of(gpu, book_contact_early), l%awake(:, k), err)
+                call forget(diag_of(gpu, diag_contact), l%awake(:, k), err)
+                call forget(diag_of(gpu, diag_contact_early), l%awake(:, k), err)
             end do
             call contact_kernels%push_links(l%n_touching, l%touching, gpu%step_d, l%lay, dt, &
                 l%ends, l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, gpu%stress, gpu%pair, &
                 l%press, l%face, l%bond, l%joined, l%row, l%slice, links_that_touch(gpu), &
-                l%list, gpu%energy, book_of(gpu, book_contact), book_of(gpu, book_contact_early), &
-                book_of(gpu, book_contact_heat), book_of(gpu, book_rub), gpu%rate, gpu%extra, err)
+                l%list, gpu%energy, diag_of(gpu, diag_contact), diag_of(gpu, diag_contact_early), &
+                diag_of(gpu, diag_contact_heat), diag_of(gpu, diag_rub), gpu%rate, gpu%extra, err)
             if (solid%links%faces) call refresh_rows(gpu, solid, err) ! with what faces bring
             if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%step_d, l%lay, &
                 l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%k_axes, &
@@ -166,13 +166,13 @@ contains
         end associate
     end subroutine contact_pass
 
-    !> What the books hold of a range of particles becomes 0.
-    subroutine forget(book, range, err)
-        type(doubles_t), intent(in) :: book
+    !> What the diagnostics hold of a range of particles becomes 0.
+    subroutine forget(diag, range, err)
+        type(doubles_t), intent(in) :: diag
         integer, intent(in) :: range(2)
         type(error_t), intent(inout) :: err
 
-        call clear_buffer(from(book, int(range(1), int64)), err, &
+        call clear_buffer(from(diag, int(range(1), int64)), err, &
                           8_int64*(range(2) - range(1) + 1))
     end subroutine forget
 
@@ -186,7 +186,7 @@ contains
             call contact_kernels%press_links(l%n_touching, l%touching, l%lay, dt, l%ends, &
                 l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, l%face, l%touch, l%bond, &
                 l%joined, l%row, l%slice, links_that_touch(gpu), l%list, gpu%energy, &
-                book_of(gpu, book_contact_heat), l%press, err)
+                diag_of(gpu, diag_contact_heat), l%press, err)
         end associate
     end subroutine press
 

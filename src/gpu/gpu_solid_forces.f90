@@ -32,7 +32,7 @@ contains
                 call launch_solid_forces(body%forces, threads_of(body), gpu%step_d, real(dt, rk), &
                     merge(1, 0, gpu%linked), load, body%params, gpu%place, gpu%near, gpu%far, &
                     gpu%motion, gpu%row, gpu%k_axes, gpu%held, body%slice, gpu%acting, &
-                    body%pairs, gpu%extra, gpu%state, gpu%tag, gpu%book, gpu%flags, err)
+                    body%pairs, gpu%extra, gpu%state, gpu%tag, gpu%diag, gpu%flags, err)
             end associate
         end do
         call side_by_side(0)

@@ -179,7 +179,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call launch_advance_point(body%update, threads_of(body), gpu%step_d, dt, body%params, &
-            body%material, gpu%grad, gpu%state, gpu%tag, gpu%book, gpu%flags, err)
+            body%material, gpu%grad, gpu%state, gpu%tag, gpu%diag, gpu%flags, err)
     end subroutine update_material
 
     !> Strain the half layers at the faces of particles that may touch others.
@@ -203,6 +203,6 @@ contains
 
         call solid_kernels%solid_rows(threads_of(body), gpu%step_d, dt, body%params, &
             body%material, gpu%place, gpu%grad, gpu%state, gpu%tag, gpu%motion, gpu%row, gpu%rate, &
-            gpu%axes, gpu%k_axes, gpu%held, gpu%book, gpu%flags, err)
+            gpu%axes, gpu%k_axes, gpu%held, gpu%diag, gpu%flags, err)
     end subroutine fill_rows
 end module brz_gpu_solid_gradients

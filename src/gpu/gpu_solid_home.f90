@@ -8,10 +8,10 @@ module brz_gpu_solid_home
     use brz_formulation_names, only: form_total
     use brz_ghost_wants, only: has_boxes, tell_boxes
     use brz_lists, only: put_changed => put_changed_table, put_list, read_first
-    use brz_gpu_solid_layout, only: n_book, slice_width
-    use brz_gpu_solid_state, only: book_of
+    use brz_gpu_solid_layout, only: n_diag, slice_width
+    use brz_gpu_solid_state, only: diag_of
     use brz_solid_device, only: solid_device_t
-    use brz_gpu_solid_books, only: fetch_accounts, find_extent
+    use brz_gpu_solid_diagnostics, only: fetch_accounts, find_extent
     use brz_home_launches, only: home_kernels
     use brz_kinds, only: dp, int64
     use brz_places, only: parcels_t
@@ -21,8 +21,8 @@ module brz_gpu_solid_home
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: close_books, fetch_homes, find_boxes, find_lowest, list_leaving, put_region, put_wants, &
-        send_away, settle_places
+    public :: close_diagnostics, fetch_homes, find_boxes, find_lowest, list_leaving, put_region, &
+        put_wants, send_away, settle_places
 
 contains
 
@@ -138,8 +138,8 @@ contains
         gpu%bodies%packed = .false.
     end subroutine send_away
 
-    !> The books of bodies whose particles change: what places have summed goes to the host.
-    subroutine close_books(gpu, solid, changed, err)
+    !> The diagnostics of bodies whose particles change: what places have summed goes to the host.
+    subroutine close_diagnostics(gpu, solid, changed, err)
         type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: changed(:) !! (bodies)
@@ -152,12 +152,12 @@ contains
             if (.not. changed(b)) cycle
             gpu%account(b) = solid%bodies(b)%account
             gpu%reaction(:, b) = solid%bodies(b)%reaction
-            do c = 1, n_book
-                call clear_buffer(from(book_of(gpu, c), int(gpu%bodies(b)%first, int64)), err, &
+            do c = 1, n_diag
+                call clear_buffer(from(diag_of(gpu, c), int(gpu%bodies(b)%first, int64)), err, &
                                   8_int64*gpu%bodies(b)%room)
             end do
         end do
-    end subroutine close_books
+    end subroutine close_diagnostics
 
     !> Kernels get to know where bodies lie. What lies behind the particles limits no time step.
     subroutine settle_places(gpu, solid, err)

@@ -11,7 +11,7 @@
 !>     held(n_held, n)  the hold, where bodies have it, slots of brz_solid_state; in pass 1 the sums
 !>                      S of brz_tension_hold in 1..6, then F in held_affine and what is named below
 !> What only the particle itself reads lies column by column: state(n, ...), tag(n, ...), and
-!> book(n, ...), whose sums over a body are its energy account. There n is a few places more than
+!> diag(n, ...), whose sums over a body are its energy account. There n is a few places more than
 !> there are, so that every column begins on a whole row of memory, see whole_lanes.
 module brz_gpu_solid_layout
     use brz_body_numbers, only: body_numbers_t
@@ -28,29 +28,29 @@ module brz_gpu_solid_layout
     public :: at_mu, at_energy, at_stress, at_damage, at_wave, at_bulk, at_mass, at_accel, at_hist
     public :: tag_id, tag_ply, tag_support, tag_fixed, tag_limp, tag_fault, &
               tag_bond, tag_joined, tag_touch, tag_weight, tag_face, n_tag, n_linked_tag
-    public :: book_viscous, book_friction, book_stiff, book_ahead, book_plastic, book_damage, &
-              book_clamped, &
-              book_force, book_early, book_contact_early, book_contact, book_contact_heat, &
-              book_rub, book_load, n_book
+    public :: diag_viscous, diag_friction, diag_stiff, diag_ahead, diag_plastic, diag_damage, &
+              diag_clamped, &
+              diag_force, diag_early, diag_contact_early, diag_contact, diag_contact_heat, &
+              diag_rub, diag_load, n_diag
     public :: at_heat, at_friction, at_drag, at_stiff, at_work, n_terms
     public :: pass_drawn, pass_deviation, pass_trace
     public :: flag_bad, flag_drawn, n_flag, slice_width, mask_unit
 
-    ! columns of `book`, since the GPU took over [J, N s]; the place of a particle, not the
+    ! columns of `diag`, since the GPU took over [J, N s]; the place of a particle, not the
     ! particle, keeps them
-    integer, parameter :: book_viscous = 1, book_friction = 2
-    integer, parameter :: book_stiff = 3 !! held by the hourglass or artificial force, with ahead;
+    integer, parameter :: diag_viscous = 1, diag_friction = 2
+    integer, parameter :: diag_stiff = 3 !! held by the hourglass or artificial force, with ahead;
                                         !! by the hold now
-    integer, parameter :: book_ahead = 4 !! the part of the half step to come
-    integer, parameter :: book_plastic = 5, book_damage = 6
-    integer, parameter :: book_force = 6 !! + 1..3: impulse on held particles
-    integer, parameter :: book_contact = 10 !! energy that contact holds now
-    integer, parameter :: book_contact_heat = 11, book_rub = 12 !! heat of contact, of friction
-    integer, parameter :: book_load = 13 !! work of the load
-    integer, parameter :: book_clamped = 14 !! steps at the edge of the material's range
-    integer, parameter :: book_early = 15 !! heat of the half step to come, see energy_account_t
-    integer, parameter :: book_contact_early = 16 !! the same of contact
-    integer, parameter :: n_book = 16
+    integer, parameter :: diag_ahead = 4 !! the part of the half step to come
+    integer, parameter :: diag_plastic = 5, diag_damage = 6
+    integer, parameter :: diag_force = 6 !! + 1..3: impulse on held particles
+    integer, parameter :: diag_contact = 10 !! energy that contact holds now
+    integer, parameter :: diag_contact_heat = 11, diag_rub = 12 !! heat of contact, of friction
+    integer, parameter :: diag_load = 13 !! work of the load
+    integer, parameter :: diag_clamped = 14 !! steps at the edge of the material's range
+    integer, parameter :: diag_early = 15 !! heat of the half step to come, see energy_account_t
+    integer, parameter :: diag_contact_early = 16 !! the same of contact
+    integer, parameter :: n_diag = 16
 
     integer, parameter :: flag_bad = 1 !! a particle has an impossible state
     integer, parameter :: flag_drawn = 2 !! the hold acts on a particle

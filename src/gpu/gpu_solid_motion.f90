@@ -6,7 +6,7 @@ module brz_gpu_solid_motion
     use brz_formulation_names, only: form_bending
     use brz_gpu_solid_state, only: threads_of
     use brz_solid_device, only: solid_device_t
-    use brz_gpu_solid_books, only: add_held_impulse
+    use brz_gpu_solid_diagnostics, only: add_held_impulse
     use brz_intact_share, only: intact_share
     use brz_kinds, only: dp
     use brz_motion_launches, only: motion_kernels
@@ -14,12 +14,12 @@ module brz_gpu_solid_motion
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: book_first_half, size_particles, end_support
+    public :: record_first_half, size_particles, end_support
 
 contains
 
     !> What driven bodies take up in the first half step.
-    subroutine book_first_half(gpu, solid, dt, err)
+    subroutine record_first_half(gpu, solid, dt, err)
         type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
@@ -31,7 +31,7 @@ contains
             if (solid%bodies(b)%motion%n > 0 .and. .not. gpu%bodies(b)%rigid) &
                 call add_held_impulse(gpu, solid, b, dt, force, err)
         end do
-    end subroutine book_first_half
+    end subroutine record_first_half
 
     !> Smoothing lengths that follow the density.
     subroutine size_particles(gpu, solid, err)

@@ -18,7 +18,7 @@ module brz_gpu_solid_search
     use brz_gpu_solid_lists, only: lay_lists, move_lists, pick_chosen
     use brz_gpu_solid_state, only: threads_of
     use brz_solid_device, only: body_device_t, solid_device_t, news_all, news_part
-    use brz_gpu_solid_books, only: boxes_of_all, find_extent, forget_gone
+    use brz_gpu_solid_diagnostics, only: boxes_of_all, find_extent, forget_gone
     use brz_home_launches, only: home_kernels
     use brz_kept_cells, only: kept_cells_t
     use brz_kinds, only: dp, int64, rk

@@ -12,8 +12,8 @@ module brz_gpu_solid_state
     use brz_formulation_names, only: form_total
     use brz_force_items, only: n_sum
     use brz_gpu_solid_layout, only: at_accel, at_damage, at_energy, at_mass, at_mu, at_stress, &
-        book_contact_heat, book_load, grid_gpu_t, &
-        n_book, n_flag, n_linked_tag, n_tag, n_terms, tag_bond, tag_face, &
+        diag_contact_heat, diag_load, grid_gpu_t, &
+        n_diag, n_flag, n_linked_tag, n_tag, n_terms, tag_bond, tag_face, &
         tag_fixed, tag_id, tag_joined, tag_touch, tag_weight
     use brz_hold_layout, only: n_held
     use brz_kinds, only: dp, int64, rk
@@ -32,7 +32,7 @@ module brz_gpu_solid_state
     implicit none
     private
     public :: open_gpu_solid_memory, lay_arrays, attach_solid, attach_links, note_ranges
-    public :: column_of, tags_of, book_of, threads_of, bytes_of_real, words_of_real, total_threads
+    public :: column_of, tags_of, diag_of, threads_of, bytes_of_real, words_of_real, total_threads
 
     integer, parameter :: total_threads = 65536 !! partial results over a body
     integer, parameter :: words_of_real = storage_size(1.0_rk)/32 !! of 4 B
@@ -61,7 +61,7 @@ contains
         call number_columns(solid, loaded, gpu)
         call require(device, solid, gpu, err)
         if (failed(err)) return
-        call gpu%common%open(max(n_book, n_sum), size(solid%bodies), err)
+        call gpu%common%open(max(n_diag, n_sum), size(solid%bodies), err)
         allocate (gpu%bodies(size(solid%bodies)), gpu%account(size(solid%bodies)), &
                   gpu%reaction(3, size(solid%bodies)))
         do b = 1, size(solid%bodies)
@@ -81,7 +81,7 @@ contains
         call allocate_buffer(gpu%region, 48_int64, err)
         call allocate_buffer(gpu%found, 4_int64*size(gpu%bodies), err)
         call allocate_buffer(gpu%sums_of_forces, 32_int64*tally_threads, err)
-        call allocate_buffer(gpu%partial, 8_int64*total_threads*max(n_book, n_sum), err)
+        call allocate_buffer(gpu%partial, 8_int64*total_threads*max(n_diag, n_sum), err)
         call copy_in(solid%region, gpu%region, 48_int64, err)
     end subroutine open_gpu_solid_memory
 
@@ -127,7 +127,7 @@ contains
         if (allocated(solid%k_axes) .or. allocated(solid%tilt)) &
             call visit(gpu%k_axes, 6, 1, is_left)
         if (allocated(solid%held)) call visit(gpu%held, n_held*w, 1, is_left)
-        call visit(gpu%book, 2, n_book, stays)
+        call visit(gpu%diag, 2, n_diag, stays)
         call visit(gpu%grad, w, merge(18, 9, allocated(solid%tilt) .and. &
             any(solid%bodies%formulation == form_total)), passes)
         call visit(gpu%count, 1, 1, passes)
@@ -202,8 +202,8 @@ contains
         if (gpu%column%owed > 0) gpu%owed = column_of(gpu, gpu%column%owed)
         if (gpu%column%grip > 0) gpu%grip = column_of(gpu, gpu%column%grip + 1)
         gpu%pair = gpu%row
-        gpu%work = book_of(gpu, book_load)
-        gpu%contact_heat = book_of(gpu, book_contact_heat)
+        gpu%work = diag_of(gpu, diag_load)
+        gpu%contact_heat = diag_of(gpu, diag_contact_heat)
         gpu%id = tags_of(gpu, tag_id)
         gpu%fixed = tags_of(gpu, tag_fixed)
         associate (links => gpu%links)
@@ -350,13 +350,13 @@ contains
         tags_of = from(gpu%tag, (column - 1_int64)*gpu%step_d + 1)
     end function tags_of
 
-    !> A column of the books.
-    pure type(doubles_t) function book_of(gpu, column)
+    !> A column of the diagnostics.
+    pure type(doubles_t) function diag_of(gpu, column)
         type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: column
 
-        book_of = from(gpu%book, (column - 1_int64)*gpu%step_d + 1)
-    end function book_of
+        diag_of = from(gpu%diag, (column - 1_int64)*gpu%step_d + 1)
+    end function diag_of
 
     !> One thread for each particle of a body that is there.
     pure function threads_of(body) result(n)

@@ -111,7 +111,7 @@ contains
         call wave_speeds(material, terms, step%p, point)
     end subroutine end_step
 
-    !> Book what material that fails in this step lets go: its shear stress, and its mean tension.
+    !> Record what material that fails in this step lets go: its shear stress, and its mean tension.
     !>
     !> The tension holds the energy of the elastic expansion, and at the cut-off that of the opening
     !> beyond it, which closing would give back.

@@ -232,7 +232,7 @@ contains
     end subroutine update_orthotropic_ply
 
     !> A ply that can fail and takes up half as much volume again is debris: no stress is left, and
-    !> what it had stored is booked as damage.
+    !> what it had stored is recorded as damage.
     !@cuf attributes(host,device) &
     pure function debris(material, mu) result(yes)
         type(material_t), intent(in) :: material

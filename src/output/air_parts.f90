@@ -3,7 +3,7 @@
 !> own, `chk_001230.part003.h5`, and the checkpoint itself says which boxes there are. Any number of
 !> processes can go on from it, and several from the checkpoint of one.
 module brz_air_parts
-    use brz_air_books, only: air_books_t, carry_books, keep_in_air
+    use brz_air_diagnostics, only: air_diagnostics_t, carry_diagnostics, keep_in_air
     use brz_air_state, only: air_t, brick, n_ghost
     use brz_boxes, only: cells_t, common, is_empty
     use brz_errors, only: error_t, exit_io, failed, raise
@@ -48,10 +48,10 @@ contains
     end subroutine write_air_box
 
     !> Write what all processes have in common into the checkpoint; the first does.
-    subroutine write_boxes(file, air, books, err)
+    subroutine write_boxes(file, air, diagnostics, err)
         type(h5_t), intent(in) :: file
         type(air_t), intent(in) :: air
-        type(air_books_t), intent(inout) :: books !! of all
+        type(air_diagnostics_t), intent(inout) :: diagnostics !! of all
         type(error_t), intent(inout) :: err
         integer :: boxes(6, size(air%part%boxes)), r
 
@@ -61,7 +61,7 @@ contains
             end associate
         end do
         call h5_write(file, boxes_name, boxes, err)
-        call carry_books(file, books, err)
+        call carry_diagnostics(file, diagnostics, err)
     end subroutine write_boxes
 
     !> True if a checkpoint holds its air in parts.
@@ -79,7 +79,7 @@ contains
         type(error_t), intent(inout) :: err
         type(h5_t) :: part
         type(cells_t), allocatable :: boxes(:)
-        type(air_books_t) :: books
+        type(air_diagnostics_t) :: diagnostics
         integer :: r
 
         if (is_in_parts(file)) then
@@ -95,9 +95,10 @@ contains
             call read_common(file, cells_t([1, 1, 1], air%whole), &
                              merge(n_ghost, 0, air%whole > 1), air, err)
         end if
-        call carry_books(file, books, err)
-        if (air%part%ranks%rank > 0) books = air_books_t() ! the first keeps what all have counted
-        call keep_in_air(books, air)
+        call carry_diagnostics(file, diagnostics, err)
+        ! the first keeps what all have counted
+        if (air%part%ranks%rank > 0) diagnostics = air_diagnostics_t()
+        call keep_in_air(diagnostics, air)
     end subroutine read_air_boxes
 
     !> The boxes of a checkpoint in parts, which must be a cut of the same grid.

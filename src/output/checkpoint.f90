@@ -28,7 +28,7 @@ module brz_checkpoint
     use brz_output_folder, only: checkpoint_begin, checkpoint_end, checkpoint_name
     use brz_ranks, only: agree, ranks_t, several, share_text
     use brz_seal, only: check_seal
-    use brz_solid_books, only: keep_books_of_first
+    use brz_solid_diagnostics, only: keep_diagnostics_of_first
     use brz_solid_home, only: hold_all, share_out
     use brz_solid_state, only: solid_t
     use brz_together, only: end_bodies, together_t
@@ -74,7 +74,7 @@ contains
         file%unnamed = .true.
         call write_meta(file, meta, err)
         if (in_parts) then
-            call write_boxes(file, air, together%books, err)
+            call write_boxes(file, air, together%diagnostics, err)
         else if (air%present) then
             call carry_air(file, air, err)
         end if
@@ -148,7 +148,7 @@ contains
         call agree(solid%ranks, err)
         if (failed(err)) return
         if (coupling%present) call share_coupling(all, solid, coupling)
-        call keep_books_of_first(solid)
+        call keep_diagnostics_of_first(solid)
         call share_out(solid)
     end subroutine read_checkpoint
 

@@ -6,7 +6,7 @@
 !> before they are read, so their shapes are checked against the file.
 module brz_checkpoint_state
     use, intrinsic :: iso_c_binding, only: c_f_pointer
-    use brz_air_books, only: air_books_t, carry_books, keep_in_air, look_at_air
+    use brz_air_diagnostics, only: air_diagnostics_t, carry_diagnostics, keep_in_air, look_at_air
     use brz_air_state, only: air_t
     use brz_carry, only: carry
     use brz_clock, only: clock_t, resume_clock
@@ -47,13 +47,13 @@ contains
         type(h5_t), intent(in) :: file
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
-        type(air_books_t) :: books
+        type(air_diagnostics_t) :: diagnostics
 
         call carry(file, 'air/u', air%u, err)
         call carry(file, 'air/reached', air%reached, err)
-        books = look_at_air(air)
-        call carry_books(file, books, err)
-        if (.not. (file%writing .or. failed(err))) call keep_in_air(books, air)
+        diagnostics = look_at_air(air)
+        call carry_diagnostics(file, diagnostics, err)
+        if (.not. (file%writing .or. failed(err))) call keep_in_air(diagnostics, air)
     end subroutine carry_air
 
     subroutine carry_solid(file, solid, err)
@@ -283,13 +283,13 @@ contains
         if (mapped) call carry(file, 'coupling/solid', coupling%wall%solid, err)
         call carry(file, 'coupling/dt_before', coupling%dt_before, err)
         call carry(file, 'coupling/v_before', coupling%v_before, err)
-        call carry(file, 'coupling/covered_total', coupling%books%covered, err)
-        call carry(file, 'coupling/uncovered_total', coupling%books%uncovered, err)
-        call carry(file, 'coupling/work', coupling%books%work, err)
-        call carry(file, 'coupling/work_reference', coupling%books%work_reference, err)
-        call carry(file, 'coupling/impulse', coupling%books%impulse, err)
-        call carry(file, 'coupling/impulse_reference', coupling%books%impulse_reference, err)
-        call carry(file, 'coupling/images', coupling%books%images, err)
+        call carry(file, 'coupling/covered_total', coupling%diagnostics%covered, err)
+        call carry(file, 'coupling/uncovered_total', coupling%diagnostics%uncovered, err)
+        call carry(file, 'coupling/work', coupling%diagnostics%work, err)
+        call carry(file, 'coupling/work_reference', coupling%diagnostics%work_reference, err)
+        call carry(file, 'coupling/impulse', coupling%diagnostics%impulse, err)
+        call carry(file, 'coupling/impulse_reference', coupling%diagnostics%impulse_reference, err)
+        call carry(file, 'coupling/images', coupling%diagnostics%images, err)
         call carry_deferred_sources(file, coupling, err)
     end subroutine carry_coupling
 

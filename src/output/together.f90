@@ -2,7 +2,7 @@
 !> What several processes know together when a dump or a checkpoint begins, before each of them, or
 !> a copy of it beside the run, writes what is its own. One process needs none of it.
 module brz_together
-    use brz_air_books, only: air_books_t, look_at_all_air
+    use brz_air_diagnostics, only: air_diagnostics_t, look_at_all_air
     use brz_air_state, only: air_t
     use brz_coupling_gather, only: gather_coupling
     use brz_coupling_state, only: coupling_t
@@ -21,9 +21,10 @@ module brz_together
         logical :: by_files = .false. !! copies of the processes write: they cannot send messages
         type(solid_t), allocatable :: whole !! the bodies of all, in the first process
         integer(int64), allocatable :: in(:, :) !! particles that come: see begin_gather
-        type(coupling_t), allocatable :: all !! books and deferred sources of all, in the first
+        type(coupling_t), allocatable :: all !! diagnostics and deferred sources of all, in the
+                                             !! first
                                              !! process
-        type(air_books_t) :: books !! of the air of all
+        type(air_diagnostics_t) :: diagnostics !! of the air of all
     end type together_t
 
 contains
@@ -48,7 +49,7 @@ contains
         if (allocated(together%all)) deallocate (together%all)
         allocate (together%all)
         if (.not. (air%present .and. several(air%part%ranks))) return
-        together%books = look_at_all_air(air)
+        together%diagnostics = look_at_all_air(air)
         if (coupling%present) call gather_coupling(coupling, together%all)
     end subroutine begin_state
 

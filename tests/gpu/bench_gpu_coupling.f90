@@ -153,7 +153,7 @@ contains
             call fill_bins(solid, coupling, err)
             ms(6) = ms(6) + 1e3_dp*stop_timer(err)/steps
         end do
-        changed = coupling%books%covered + coupling%books%uncovered
+        changed = coupling%diagnostics%covered + coupling%diagnostics%uncovered
         write (output_unit, '(a, a, i0, a, i0, a)') what, ': ', changed, ' changes so far, ', &
             coupling%n_deferred, ' debts; ms each step'
         write (output_unit, '(6(a, f8.3))') '  wall velocity', ms(1), ', load', ms(2), &

@@ -13,7 +13,7 @@ program bench_gpu_solid
     use brz_gpu_solid_forces, only: force_pass
     use brz_gpu_solid_gradients, only: fill_rows, find_gradients, gradient_pass, sum_moments, &
         update_material
-    use brz_gpu_solid_books, only: fetch_limit
+    use brz_gpu_solid_diagnostics, only: fetch_limit
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step
@@ -95,7 +95,7 @@ contains
         type(solid_device_t), intent(in) :: gpu
 
         own_bytes = gpu%place%bytes + gpu%reference%bytes + gpu%built%bytes + gpu%motion%bytes &
-            + gpu%state%bytes + gpu%tag%bytes + gpu%book%bytes + gpu%row%bytes + gpu%grad%bytes &
+            + gpu%state%bytes + gpu%tag%bytes + gpu%diag%bytes + gpu%row%bytes + gpu%grad%bytes &
             + gpu%k_axes%bytes + gpu%rate%bytes + gpu%count%bytes + gpu%cell%bytes &
             + gpu%order%bytes + gpu%chosen%bytes + gpu%bodies(1)%start%bytes
     end function own_bytes

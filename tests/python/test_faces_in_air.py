@@ -67,7 +67,7 @@ def test_the_stress_at_a_face_meets_the_air(tmp_path, dimension, per_cell, layer
         note(f"face_in_air_{dimension}_{per_cell}_{form}_{layer}", value)
     assert pressed == pytest.approx(np.ones(layers), abs=0.03)
     # the energy of the block, less that of the layer above the mean depth of the load, half a
-    # cell, which the air does not pay: see book_face
+    # cell, which the air does not pay: see record_face
     k = np.arange(layers)
     weight = np.maximum(1 - k / (1.5 * per_cell), 0)
     depth = 0.5 + (k * weight).sum() / weight.sum()

@@ -118,7 +118,7 @@ def test_bad_patches(tmp_path, keys, why):
     assert done.returncode in (2, 4) and why in done.stderr
 
 
-def test_load_on_the_support_itself_is_booked_once(tmp_path):
+def test_load_on_the_support_itself_is_recorded_once(tmp_path):
     """A body that is held everywhere takes up its weight, from the first step on."""
     deck = (
         f"&run t_end=1e-6 /\n{STEEL}"

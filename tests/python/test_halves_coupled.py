@@ -148,7 +148,7 @@ BALLS = [Thing((-0.03, -0.02, 0.04), (0.03, 0.02, 0.06), gas=True),
 
 
 def compare(planes, whole, part, closed=True):
-    """Gauges alike, sums those of the parts, and books that close."""
+    """Gauges alike, sums those of the parts, and diagnostics that close."""
     equal(gauges(whole), gauges(part))
     most = abs(whole["energy"]["air_internal[J]"]).max()
     for name, column in whole["energy"].items():

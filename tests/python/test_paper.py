@@ -40,7 +40,7 @@ TIERS = [case if case.name in ("slab_1", "fragments") else slow(case) for case i
 
 @pytest.mark.parametrize("case", TIERS, ids=lambda case: case.name)
 def test_scene_runs_to_its_end(case, tmp_path):
-    """Books closed, gas sound, and the bodies have felt the load."""
+    """Diagnostics closed, gas sound, and the bodies have felt the load."""
     run(case, tmp_path / "out", "--backend", "cpu")
     energy = history(tmp_path / "out" / "energy.csv")
     assert np.all(np.isfinite(list(energy.values())))

@@ -337,7 +337,8 @@ def in_two(n, m, steps, folder):
 
 
 def equal_bodies(one, other):
-    """Dumps and gauges are the same; books are sums over steps, which processes round apart."""
+    """Dumps and gauges are the same; diagnostics are sums over steps, which processes round
+    apart."""
     assert (one / "gauges.csv").read_text() == (other / "gauges.csv").read_text()
     names = sorted(file.name for file in one.glob("*.vtkhdf"))
     assert names == sorted(file.name for file in other.glob("*.vtkhdf"))

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""A rigid body bears the time step of what it meets: fine ones cost few, light ones keep books."""
+"""A rigid body bears the time step of what it meets: fine ones cost few, light ones keep
+diagnostics."""
 
 import subprocess
 from pathlib import Path

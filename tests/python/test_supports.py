@@ -240,7 +240,7 @@ def test_velocities_of_a_file_are_those_of_a_spin(tmp_path):
 
 def test_a_bar_that_starts_with_half_of_it_pressed(tmp_path):
     """d'Alembert: waves of half the stress run both ways from the middle, the material between
-    them moves with p/(2 rho c); the energy of the start is in the books."""
+    them moves with p/(2 rho c); the energy of the start is in the diagnostics."""
     p, spacing = 1e6, 5e-4
     ratio = NU / (1 - NU)
     x = (np.arange(200) + 0.5) * spacing

@@ -36,7 +36,7 @@ module random_scenes
         real(dp) :: cfl = 0.5_dp, t = 0, dt = 0
         real(dp) :: speed = c0 !! a scale of velocities [m/s]
         real(dp) :: start(4) = 0 !! mass and momentum at the start
-        real(dp) :: books(2) = 0 !! errors of mass and momentum, the worst
+        real(dp) :: diagnostics(2) = 0 !! errors of mass and momentum, the worst
         real(dp) :: least(2) = huge(1.0_dp) !! density and warmth, see least_gas
         real(dp) :: least_dt = huge(1.0_dp) !! time step over that of sound through a cell
     end type random_scene_t
@@ -192,7 +192,7 @@ contains
         call judge(s)
     end subroutine step_scene
 
-    !> Look at gas and books.
+    !> Look at gas and balance.
     subroutine judge(s)
         type(random_scene_t), intent(inout) :: s
         real(dp) :: density, momentum, now(4), warmth
@@ -201,9 +201,9 @@ contains
         s%least = min(s%least, [density, warmth])
         call total(s, now)
         momentum = (s%start(1) + abs(s%air%outflow(1)))*s%speed
-        s%books = max(s%books, [abs(now(1) - s%start(1))/s%start(1), &
+        s%diagnostics = max(s%diagnostics, [abs(now(1) - s%start(1))/s%start(1), &
                                 maxval(abs(now(2:4) - s%start(2:4)))/momentum])
-        if (.not. all(s%books < merge(1e-11_dp, 1e-4_dp, rk == dp))) &
+        if (.not. all(s%diagnostics < merge(1e-11_dp, 1e-4_dp, rk == dp))) &
             s%fault = 'the books do not balance'
         if (.not. all(s%least > 0)) s%fault = 'gas without density or internal energy'
     end subroutine judge
@@ -217,7 +217,7 @@ contains
 
         call coupling_totals(s%air, s%coupling, gas, stored, deferred)
         sum = gas(1:4) + stored(1:4) + deferred(1:4) + s%air%outflow(1:4)
-        sum(2:4) = sum(2:4) + s%coupling%books%impulse + s%coupling%books%impulse_reference &
-                   + s%coupling%books%images
+        sum(2:4) = sum(2:4) + s%coupling%diagnostics%impulse + &
+                   s%coupling%diagnostics%impulse_reference + s%coupling%diagnostics%images
     end subroutine total
 end module random_scenes

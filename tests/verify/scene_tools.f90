@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Whole scenes from decks in tests/scenes, step by step, with the books looked at after every step.
+!> Whole scenes from decks in tests/scenes, step by step, with the audit looked at after every step.
 module scene_tools
     use brz_build_case, only: build_case
     use brz_deck, only: deck_t
@@ -65,7 +65,7 @@ contains
             scene%sim%coupling, scene%sim%start, scene%audit, scene%err)
     end subroutine open_deck
 
-    !> One step, and the books.
+    !> One step, and the diagnostics.
     subroutine step_scene(scene)
         type(deck_scene_t), intent(inout) :: scene
         type(solid_totals_t) :: sums
@@ -79,7 +79,7 @@ contains
             scene%mass_error = max(scene%mass_error, abs(scene%audit%mass_error))
             scene%momentum_error = max(scene%momentum_error, scene%audit%momentum_error)
             if (sim%solid%present) scene%stray = max(scene%stray, &
-                norm2(sums%momentum - scene%momentum - sim%coupling%books%impulse))
+                norm2(sums%momentum - scene%momentum - sim%coupling%diagnostics%impulse))
             scene%thrust = max(scene%thrust, sqrt(2*sums%mass*sums%kinetic))
         end associate
     end subroutine step_scene

@@ -12,7 +12,7 @@ module brz_air_totals
     implicit none
     private
     public :: air_totals, gas_sums, outflow_of_all, counts_of_all
-    public :: book_outflow, take_outflow
+    public :: record_outflow, take_outflow
 
 contains
 
@@ -84,7 +84,7 @@ contains
 
     !> Add air%leaving to the outflow of this process, exactly: neither the order nor processes
     !> matter.
-    subroutine book_outflow(air)
+    subroutine record_outflow(air)
         type(air_t), intent(inout) :: air
         integer :: c, f, s
 
@@ -99,7 +99,7 @@ contains
             air%outflow(c) = value_of(air%left(c))
         end do
         air%outflow_products = value_of(air%left(6))
-    end subroutine book_outflow
+    end subroutine record_outflow
 
     !> After a restart: where the exact totals are not those of the outflow, as a GPU has gone on
     !> without them, they begin with it.

@@ -192,7 +192,7 @@ contains
         allocate (air%u_start, air%rate, source=air%u)
         air%rate = 0
         blocks = max(n_blocks(n, 1), n_blocks(n, 2), n_blocks(n, 3))
-        call begin_books(air)
+        call begin_diagnostics(air)
         allocate (air%suspect(blocks), source=0)
         allocate (air%bad(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3)), &
             source=0_int8)
@@ -204,8 +204,8 @@ contains
         allocate (air%leaving(faces_of_bricks(n, g), air%n_var, 2), source=0.0_dp)
     end subroutine make_grid
 
-    !> Books of what passes the outer faces of the grid.
-    subroutine begin_books(air)
+    !> Diagnostics of what passes the outer faces of the grid.
+    subroutine begin_diagnostics(air)
         type(air_t), intent(inout) :: air
         real(dp) :: mass
         integer :: c
@@ -218,7 +218,7 @@ contains
             call begin_total(air%left(c), sqrt(mass*product(air%dx*air%whole)*air%p_rest), 0.0_dp)
         end do
         call begin_total(air%left(5), product(air%dx*air%whole)*air%rest(5), 0.0_dp)
-    end subroutine begin_books
+    end subroutine begin_diagnostics
 
     !> Find the box of this process on a grid of so many cells.
     subroutine share_grid(cells, air)

@@ -23,7 +23,7 @@ module brz_contact_items
         press_links, push_links
     public :: add_pair, trace_at, n_kept, kept_energy, kept_heat, kept_rub, kept_early
 
-    ! what push_particle keeps in the books of a particle [J]
+    ! what push_particle keeps in the diagnostics of a particle [J]
     integer, parameter :: kept_energy = 1 !! that contact holds now
     integer, parameter :: kept_heat = 2, kept_rub = 3 !! heat of contact, of friction
     integer, parameter :: kept_early = 4 !! heat of the half step to come, see energy_account_t
@@ -407,7 +407,7 @@ contains
         f(at_friction) = f(at_friction) + heat(2)/2
     end subroutine add_pair
 
-    !> Forces of contact, heat, the books, and what time step the links bear.
+    !> Forces of contact, heat, the diagnostics, and what time step the links bear.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine push_links(k, touching, particles, lay, dt, ends, table, cell, x, v, mass, &

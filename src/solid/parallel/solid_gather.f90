@@ -9,7 +9,7 @@ module brz_solid_gather
     use brz_mail, only: mail_t, tell_counts
     use brz_pair_layout, only: n_pair
     use brz_places, only: parcels_t
-    use brz_solid_books, only: books_t, close_all_books, open_all_books
+    use brz_solid_diagnostics, only: diagnostics_t, close_all_diagnostics, open_all_diagnostics
     use brz_solid_fields, only: fields_of, fields_t, make_fields
     use brz_solid_ghosts, only: of_a_checkpoint, send_particles
     use brz_solid_sort, only: sort_body
@@ -95,11 +95,11 @@ contains
         deallocate (whole%pair)
     end subroutine sort
 
-    !> What a scene of bodies has besides its particles; books of all processes together.
+    !> What a scene of bodies has besides its particles; diagnostics of all processes together.
     subroutine outline(solid, whole)
         type(solid_t), intent(inout) :: solid
         type(solid_t), intent(inout) :: whole
-        type(books_t) :: books
+        type(diagnostics_t) :: diagnostics
         integer :: b
 
         whole%present = .true.
@@ -117,9 +117,9 @@ contains
         whole%region = solid%region
         whole%steps = solid%steps
         whole%rebuilds = solid%rebuilds
-        call open_all_books(solid, books)
+        call open_all_diagnostics(solid, diagnostics)
         whole%bodies = solid%bodies
-        call close_all_books(solid, books)
+        call close_all_diagnostics(solid, diagnostics)
         whole%materials = solid%materials
         if (allocated(solid%between)) whole%between = solid%between
         if (solid%ranks%rank == 0) whole%cohesive = solid%cohesive

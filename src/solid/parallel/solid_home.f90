@@ -47,7 +47,7 @@ contains
         call lay_bodies(solid, own)
         call make_room(solid, solid%n + solid%n/4 + 64, exactly=.true.)
         if (allocated(solid%part%region)) deallocate (solid%part%region)
-        if (solid%ranks%rank > 0) solid%bodies%motion%mass = 0 ! the first books what drives them
+        if (solid%ranks%rank > 0) solid%bodies%motion%mass = 0 ! the first records what drives them
     end subroutine share_out
 
     !> Arrays for all particles, body by body, as the set-up has them: a checkpoint is to be read.

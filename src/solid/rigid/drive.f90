@@ -9,14 +9,14 @@ module brz_drive
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: book_drive, begin_motion, end_motion, add_held_impulse
+    public :: record_drive, begin_motion, end_motion, add_held_impulse
 
 contains
 
     !> Work of what drives a body: its kinetic energy, less what the air and the body itself do. The
-    !> second half of the latter is booked with the force, the work of the air on a rigid body with
-    !> its step.
-    subroutine book_drive(body, time, dt, v)
+    !> second half of the latter is recorded with the force, the work of the air on a rigid body
+    !> with its step.
+    subroutine record_drive(body, time, dt, v)
         type(body_t), intent(inout) :: body
         real(dp), intent(in) :: time, dt !! start and length of the step [s]
         real(dp), intent(out) :: v(3) !! mean velocity in it [m/s]
@@ -27,7 +27,7 @@ contains
         work = dt*dot_product(body%rigid%load(1:3), v)
         body%account%load = body%account%load + work
         body%account%drive = body%account%drive - work
-    end subroutine book_drive
+    end subroutine record_drive
 
     !> Work of what moves a body, or a region of it, in a step to come: its kinetic energy, less
     !> half of the step by the force of the body on it at the start.

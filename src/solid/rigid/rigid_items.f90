@@ -155,7 +155,7 @@ contains
     !@item
     !@cuf attributes(host,device) &
     pure subroutine settle_heat(p, first, lay, step_d, step_p, dt, wx, wy, wz, row, mass, pairs, &
-                                accel, energy, book)
+                                accel, energy, diag)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         type(push_layout_t), intent(in) :: lay
@@ -165,7 +165,7 @@ contains
         integer(int32), intent(in) :: row(*)
         real(rk), intent(in) :: mass(*), pairs(*), accel(*)
         real(rk), intent(inout) :: energy(*)
-        real(dp), intent(inout) :: book(*) !! [J]
+        real(dp), intent(inout) :: diag(*) !! [J]
         real(dp) :: drag, heat, turning, turn(3)
         integer(int64) :: at
         integer :: c, i
@@ -188,6 +188,6 @@ contains
         heat = -dt*(dt/2*drag + turning)
         if (lay%heat > 0) heat = heat + dt*pairs(at + (lay%heat - 1)*lay%step_c)
         energy(i) = energy(i) + real(heat/mass(i), rk)
-        book(i) = book(i) + heat
+        diag(i) = diag(i) + heat
     end subroutine settle_heat
 end module brz_rigid_items

@@ -75,7 +75,7 @@ contains
     end function rigid_forces
 
     !> Time step that a rigid body bears [s]: no waves run through it, so its parts may move by half
-    !> the skin of the lists, for the books of contact look back by a step.
+    !> the skin of the lists, for the diagnostics of contact look back by a step.
     pure real(dp) function rigid_step(body, skin) result(dt)
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: skin !! of the lists [m]

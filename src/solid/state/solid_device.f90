@@ -96,7 +96,7 @@ module brz_solid_device
         type(energy_account_t), allocatable :: account(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
         type(doubles_t) :: sorted !! positions that lists are built for, cell by cell: order_cells
-        type(doubles_t) :: place, reference, built, book, rate, region, partial, sums_of_forces
+        type(doubles_t) :: place, reference, built, diag, rate, region, partial, sums_of_forces
         type(reals_t) :: motion, state, row, grad, held, axes, extra
         type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
         type(integers_t) :: tag, flags, count, cell, order

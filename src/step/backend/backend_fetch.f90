@@ -5,7 +5,7 @@ module brz_backend_fetch
     use brz_air_state, only: air_t, wall_t
     use brz_backend, only: backend_t
     use brz_cohesive_part, only: share_points
-    use brz_coupling_copy, only: fetch_books, fetch_coupling, note_coupling
+    use brz_coupling_copy, only: fetch_diagnostics, fetch_coupling, note_coupling
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: coupling_totals
     use brz_deferred_source_steps, only: stored_totals
@@ -14,14 +14,14 @@ module brz_backend_fetch
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
     use brz_gpu_cohesive_part, only: fetch_gpu_points
     use brz_gpu_solid_copy, only: fetch_particles, fetch_solid, note_solid, settle_bodies
-    use brz_gpu_solid_books, only: fetch_accounts
+    use brz_gpu_solid_diagnostics, only: fetch_accounts
     use brz_kinds, only: dp, rk
     use brz_ranks, only: bits_of_all, several
     use brz_snapshots, only: snapshot_t
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: stock_of_air, stock_of_books, stock_of_interfaces
+    public :: stock_of_air, stock_of_diagnostics, stock_of_interfaces
     public :: fetch_sums, fetch_order, fetch_deferred_sources, fetch_state, take_snapshot
     public :: fetch_followed, fetch_around
 
@@ -47,7 +47,7 @@ contains
             more = 0
             if (coupling%on_gpu) then
                 call stored_totals(air, coupling, kept, more, err)
-                call fetch_books(coupling, err)
+                call fetch_diagnostics(coupling, err)
             end if
             kinetic = totals(0)
             products = totals(6) + more
@@ -57,14 +57,15 @@ contains
         end if
     end subroutine stock_of_air
 
-    !> Bring the books of the particles of this process up to date, before those of all are opened.
-    subroutine stock_of_books(backend, solid, err)
+    !> Bring the diagnostics of the particles of this process up to date, before those of all are
+    !> opened.
+    subroutine stock_of_diagnostics(backend, solid, err)
         type(backend_t), intent(inout) :: backend
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
         if (backend%bodies_on_gpu) call fetch_accounts(solid%device, solid, err)
-    end subroutine stock_of_books
+    end subroutine stock_of_diagnostics
 
     !> Bring what cohesive interfaces hold and have spent up to date on the host, of all processes.
     subroutine stock_of_interfaces(backend, solid, err)
@@ -77,7 +78,8 @@ contains
         call share_points(solid)
     end subroutine stock_of_interfaces
 
-    !> Bring sums and books to the host that the GPU must work out, for a dump or a checkpoint.
+    !> Bring sums and diagnostics to the host that the GPU must work out, for a dump or a
+    !> checkpoint.
     subroutine fetch_sums(backend, air, solid, err)
         type(backend_t), intent(inout) :: backend
         type(air_t), intent(inout) :: air
@@ -101,7 +103,7 @@ contains
         call fetch_gpu_points(solid%device, .false., solid%cohesive, err)
     end subroutine fetch_order
 
-    !> The same for a checkpoint: deferred sources and books of the coupling.
+    !> The same for a checkpoint: deferred sources and diagnostics of the coupling.
     subroutine fetch_deferred_sources(air, coupling, err)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling

@@ -246,7 +246,7 @@ contains
         end do
     end subroutine weigh_bodies
 
-    !> One row in every history; the books must close, and the energy stay in its band.
+    !> One row in every history; the audit must close, and the energy stay in its band.
     subroutine write_histories(sim, outputs, err)
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(inout) :: outputs

@@ -192,7 +192,7 @@ contains
         call settle_threads(sim%ranks, sim%backend%on_gpu .or. sim%backend%bodies_on_gpu)
     end subroutine open_backend
 
-    !> Book the time of each kernel; there are none on the CPU.
+    !> Record the time of each kernel; there are none on the CPU.
     subroutine profile(sim, err)
         type(simulation_t), intent(in) :: sim
         type(error_t), intent(inout) :: err

@@ -5,12 +5,12 @@ module brz_backend_step
     use brz_air_state, only: air_t
     use brz_air_sums, only: air_time_step
     use brz_backend, only: backend_t
-    use brz_between_steps, only: book_between
+    use brz_between_steps, only: record_between
     use brz_coupling_copy, only: fastest_wall, open_gpu_coupling
     use brz_coupling_state, only: coupling_t
     use brz_device, only: measure_memory
     use brz_errors, only: error_t, failed
-    use brz_force_steps, only: book_impulse
+    use brz_force_steps, only: record_impulse
     use brz_gpu_air_state, only: open_gpu_air
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_solid_to_gpu, only: move_solid_to_gpu
@@ -68,8 +68,8 @@ contains
         type(error_t), intent(inout) :: err
 
         call load_faces(solid, dt, err)
-        call book_impulse(solid, dt, err)
+        call record_impulse(solid, dt, err)
         call solid_step(solid, dt, err)
-        call book_between(solid, dt, err)
+        call record_between(solid, dt, err)
     end subroutine advance_solid
 end module brz_backend_step

@@ -7,14 +7,14 @@ module brz_conservation_audit
     use brz_air_state, only: air_t
     use brz_air_totals, only: counts_of_all, outflow_of_all
     use brz_backend, only: backend_t
-    use brz_backend_fetch, only: stock_of_air, stock_of_books, stock_of_interfaces
+    use brz_backend_fetch, only: stock_of_air, stock_of_diagnostics, stock_of_interfaces
     use brz_cohesive_setup, only: interface_name
     use brz_cohesive_state, only: cohesive_totals
-    use brz_coupling_state, only: coupling_books_t, coupling_t
-    use brz_coupling_totals, only: books_of_all
+    use brz_coupling_state, only: coupling_diagnostics_t, coupling_t
+    use brz_coupling_totals, only: diagnostics_of_all
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp, int64, rk
-    use brz_solid_books, only: books_t, close_all_books, open_all_books
+    use brz_solid_diagnostics, only: diagnostics_t, close_all_diagnostics, open_all_diagnostics
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: n_sum, solid_totals_t, totals_of_sums
     use brz_total_steps, only: sums_of_bodies
@@ -119,7 +119,7 @@ contains
         type(audit_start_t), intent(inout) :: start
         type(balance_t), intent(out) :: audit
         type(error_t), intent(inout) :: err !! exit_device where the GPU fails
-        type(coupling_books_t) :: taken
+        type(coupling_diagnostics_t) :: taken
         real(dp) :: all(5), mass
         integer(int64) :: faces, cells
 
@@ -135,7 +135,7 @@ contains
             audit%available = available_energy(air, audit)
         end if
         if (solid%present) call stock_of_solid(backend, solid, audit, mass, err)
-        if (coupling%present) call books_of_all(solid%ranks, coupling, taken)
+        if (coupling%present) call diagnostics_of_all(solid%ranks, coupling, taken)
         audit%air_work = taken%work
         audit%reference_work = taken%work_reference
         if (allocated(solid%loads%of)) audit%reference_work = -audit%load_work ! from outside
@@ -153,7 +153,7 @@ contains
         call judge(all, rounding_energy(solid, mass), start, audit)
     end subroutine take_stock
 
-    !> The bodies and what is between them, by the books of all processes.
+    !> The bodies and what is between them, by the diagnostics of all processes.
     subroutine stock_of_solid(backend, solid, audit, mass, err)
         type(backend_t), intent(inout) :: backend
         type(solid_t), intent(inout) :: solid
@@ -161,12 +161,12 @@ contains
         real(dp), intent(out) :: mass !! of all bodies [kg]
         type(error_t), intent(inout) :: err
         type(solid_totals_t) :: sums, t
-        type(books_t) :: books
+        type(diagnostics_t) :: diagnostics
         real(dp) :: of_bodies(n_sum, size(solid%bodies)), area(2)
         integer :: b
 
-        call stock_of_books(backend, solid, err)
-        call open_all_books(solid, books)
+        call stock_of_diagnostics(backend, solid, err)
+        call open_all_diagnostics(solid, diagnostics)
         call sums_of_bodies(solid, of_bodies, err)
         call totals_of_sums(solid, 0, of_bodies, sums)
         mass = sums%mass
@@ -191,7 +191,7 @@ contains
             audit%bodies(:, b) = [t%mass, t%centre, t%momentum/t%mass, t%kinetic, t%internal, &
                                    t%damage, solid%bodies(b)%account%load, solid%bodies(b)%reaction]
         end do
-        call close_all_books(solid, books)
+        call close_all_diagnostics(solid, diagnostics)
         call stock_of_interfaces(backend, solid, err)
         call cohesive_totals(solid%cohesive, 0, audit%bond(1), audit%bond(2), area(1), area(2))
     end subroutine stock_of_solid

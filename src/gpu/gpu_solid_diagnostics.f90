@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Numbers about all particles on the GPU: energy accounts, extents, time step. Folded in a fixed
 !> order.
-module brz_gpu_solid_books
+module brz_gpu_solid_diagnostics
     use brz_buffers, only: doubles_t, from
     use brz_device, only: clear_buffer
     use brz_errors, only: error_t, failed
@@ -9,10 +9,10 @@ module brz_gpu_solid_books
     use brz_force_items, only: n_sum
     use brz_formulation_names, only: artificial_none
     use brz_gpu_common, only: partials_of
-    use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
-        book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
-        book_friction, book_stiff, book_load, book_plastic, book_rub, book_viscous, n_book
-    use brz_gpu_solid_state, only: book_of, total_threads
+    use brz_gpu_solid_layout, only: diag_ahead, diag_clamped, diag_contact, &
+        diag_contact_early, diag_contact_heat, diag_damage, diag_early, diag_force, &
+        diag_friction, diag_stiff, diag_load, diag_plastic, diag_rub, diag_viscous, n_diag
+    use brz_gpu_solid_state, only: diag_of, total_threads
     use brz_solid_device, only: body_device_t, solid_device_t
     use brz_kinds, only: dp, int64, rk
     use brz_ranks, only: least_of_all
@@ -53,77 +53,77 @@ contains
         adders = partials_of(body%last - body%first + 1, total_threads)
     end function adders
 
-    !> Fold the columns of `book` over body b.
-    subroutine fold_book(gpu, b, set, err)
+    !> Fold the columns of `diag` over body b.
+    subroutine fold_diag(gpu, b, set, err)
         type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: b, set !! body, and where its sums wait
         type(error_t), intent(inout) :: err
         integer :: m
 
         m = adders(gpu%bodies(b))
-        call solid_kernels%solid_book_of([m, n_book, 1], gpu%step_d, m, gpu%bodies(b)%first, &
-            gpu%bodies(b)%last, gpu%book, gpu%partial, err)
-        call gpu%common%fold(gpu%partial, m, n_book, set, err)
-    end subroutine fold_book
+        call solid_kernels%solid_diag_of([m, n_diag, 1], gpu%step_d, m, gpu%bodies(b)%first, &
+            gpu%bodies(b)%last, gpu%diag, gpu%partial, err)
+        call gpu%common%fold(gpu%partial, m, n_diag, set, err)
+    end subroutine fold_diag
 
     !> Bring the energy accounts and the reactions of all bodies up to date.
     subroutine fetch_accounts(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        real(dp) :: books(n_book, size(gpu%bodies))
+        real(dp) :: diagnostics(n_diag, size(gpu%bodies))
         integer :: b
 
         if (gpu%summed .or. .not. gpu%stepped) return
         do b = 1, size(gpu%bodies)
-            call fold_book(gpu, b, b, err)
+            call fold_diag(gpu, b, b, err)
         end do
-        call gpu%common%read_sums(books, err)
+        call gpu%common%read_sums(diagnostics, err)
         if (failed(err)) return
         do b = 1, size(gpu%bodies)
-            call fill_account(gpu, b, books(:, b), solid)
+            call fill_account(gpu, b, diagnostics(:, b), solid)
         end do
         gpu%summed = .true.
     end subroutine fetch_accounts
 
-    !> Energy account of body b from what it was when the GPU took over and from the sums of `book`.
-    subroutine fill_account(gpu, b, book, solid)
+    !> Energy account of body b from what it was when the GPU took over and from the sums of `diag`.
+    subroutine fill_account(gpu, b, diag, solid)
         type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: b
-        real(dp), intent(in) :: book(n_book)
+        real(dp), intent(in) :: diag(n_diag)
         type(solid_t), intent(inout) :: solid
 
         associate (account => solid%bodies(b)%account, before => gpu%account(b))
-            account%viscous = before%viscous + book(book_viscous)
-            account%hourglass_heat = before%hourglass_heat + book(book_friction)
-            account%plastic = before%plastic + book(book_plastic)
-            account%damage = before%damage + book(book_damage)
-            account%clamped = before%clamped + book(book_clamped)
-            if (.not. gpu%bodies(b)%rigid) account%load = before%load + book(book_load)
-            account%ahead = book(book_ahead)
+            account%viscous = before%viscous + diag(diag_viscous)
+            account%hourglass_heat = before%hourglass_heat + diag(diag_friction)
+            account%plastic = before%plastic + diag(diag_plastic)
+            account%damage = before%damage + diag(diag_damage)
+            account%clamped = before%clamped + diag(diag_clamped)
+            if (.not. gpu%bodies(b)%rigid) account%load = before%load + diag(diag_load)
+            account%ahead = diag(diag_ahead)
             account%early = 0
-            if (.not. solid%bodies(b)%asleep) account%early = book(book_early)
+            if (.not. solid%bodies(b)%asleep) account%early = diag(diag_early)
             if (gpu%linked .and. .not. solid%bodies(b)%asleep) &
-                account%early = account%early + book(book_contact_early)
-            if (gpu%linked) account%contact = book(book_contact)
-            account%contact_heat = before%contact_heat + book(book_contact_heat)
-            account%friction = before%friction + book(book_rub)
+                account%early = account%early + diag(diag_contact_early)
+            if (gpu%linked) account%contact = diag(diag_contact)
+            account%contact_heat = before%contact_heat + diag(diag_contact_heat)
+            account%friction = before%friction + diag(diag_rub)
             if (gpu%bodies(b)%drawn) then
-                account%hourglass = book(book_stiff)
+                account%hourglass = diag(diag_stiff)
             else if (solid%bodies(b)%artificial == artificial_none) then
-                account%hourglass = before%hourglass + before%ahead + book(book_stiff) - &
+                account%hourglass = before%hourglass + before%ahead + diag(diag_stiff) - &
                     account%ahead
             else
-                account%artificial = before%artificial + before%ahead + book(book_stiff) &
+                account%artificial = before%artificial + before%ahead + diag(diag_stiff) &
                     - account%ahead
             end if
             if (solid%bodies(b)%motion%n == 0 .and. .not. gpu%bodies(b)%rigid) &
                 solid%bodies(b)%reaction = &
-                gpu%reaction(:, b) + book(book_force + 1:book_force + 3)
+                gpu%reaction(:, b) + diag(diag_force + 1:diag_force + 3)
         end associate
     end subroutine fill_account
 
-    !> Add the mean force of body b on what holds it in the last pass 2, and book its impulse.
+    !> Add the mean force of body b on what holds it in the last pass 2, and record its impulse.
     subroutine add_held_impulse(gpu, solid, b, dt, force, err)
         type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(inout) :: solid
@@ -131,11 +131,11 @@ contains
         real(dp), intent(in) :: dt !! step just made [s]
         real(dp), intent(inout) :: force(3) !! [N]
         type(error_t), intent(inout) :: err
-        real(dp) :: book(n_book, 1)
+        real(dp) :: diag(n_diag, 1)
 
-        call fold_book(gpu, b, 1, err)
-        call gpu%common%read_sums(book, err)
-        associate (impulse => book(book_force + 1:book_force + 3, 1))
+        call fold_diag(gpu, b, 1, err)
+        call gpu%common%read_sums(diag, err)
+        associate (impulse => diag(diag_force + 1:diag_force + 3, 1))
             solid%bodies(b)%reaction = solid%bodies(b)%reaction + impulse
             force = force + impulse/dt
         end associate
@@ -197,8 +197,8 @@ contains
         end do
     end subroutine boxes_of_all
 
-    !> What is gone from body b, its last particles, limits no time step, and the books of the last
-    !> step have nothing of it.
+    !> What is gone from body b, its last particles, limits no time step, and the diagnostics of the
+    !> last step have nothing of it.
     subroutine forget_gone(gpu, solid, b, err)
         type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
@@ -211,11 +211,11 @@ contains
                    at => gpu%bodies(b)%last - gpu%bodies(b)%gone + 1_int64)
             if (gone == 0) return
             call clear_buffer(from(gpu%rate, at), err, 8_int64*gone)
-            columns = [book_ahead, book_early]
-            if (gpu%bodies(b)%drawn) columns = [columns, book_stiff]
-            if (solid%bodies(b)%motion%n > 0) columns = [columns, book_force + [1, 2, 3]]
+            columns = [diag_ahead, diag_early]
+            if (gpu%bodies(b)%drawn) columns = [columns, diag_stiff]
+            if (solid%bodies(b)%motion%n > 0) columns = [columns, diag_force + [1, 2, 3]]
             do c = 1, size(columns)
-                call clear_buffer(from(book_of(gpu, columns(c)), at), err, 8_int64*gone)
+                call clear_buffer(from(diag_of(gpu, columns(c)), at), err, 8_int64*gone)
             end do
         end associate
     end subroutine forget_gone
@@ -232,4 +232,4 @@ contains
         if (rate < huge(rate)) solid%dt_limit = 1/max(rate, tiny(rate))
         if (solid%cohesive%present) solid%dt_limit = min(solid%dt_limit, solid%cohesive%dt_limit)
     end subroutine fetch_limit
-end module brz_gpu_solid_books
+end module brz_gpu_solid_diagnostics

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> Accumulated diagnostics, the books, of bodies that several processes share: each process books
+!> Accumulated diagnostics of bodies that several processes share: each process records
 !> what its particles do.
-module brz_solid_books
+module brz_solid_diagnostics
     use brz_energy_account, only: energy_account_t
     use brz_exact_sum, only: exact_sums
     use brz_formulation_names, only: form_rigid
@@ -12,41 +12,42 @@ module brz_solid_books
     use brz_threads, only: worth_threads
     implicit none
     private
-    public :: books_t, open_all_books, close_all_books, keep_books_of_first, begin_kick
-    public :: book_drag, book_work
+    public :: diagnostics_t, open_all_diagnostics, close_all_diagnostics, &
+        keep_diagnostics_of_first, begin_kick
+    public :: record_drag, record_work
 
     type(energy_account_t), parameter :: empty = energy_account_t()
     integer, parameter :: n_account = size(transfer(empty, [0.0_dp])) !! all components are real(dp)
 
-    !> What this process has booked itself.
-    type :: books_t
+    !> What this process has recorded itself.
+    type :: diagnostics_t
         real(dp), allocatable :: own(:, :) !! (6 + energy account, bodies) reaction, drive, energy
                                            !! account
-    end type books_t
+    end type diagnostics_t
 
 contains
 
-    !> Show the books of all processes together in `solid%bodies`, until they are closed.
-    subroutine open_all_books(solid, books)
+    !> Show the diagnostics of all processes together in `solid%bodies`, until they are closed.
+    subroutine open_all_diagnostics(solid, diagnostics)
         type(solid_t), intent(inout) :: solid
-        type(books_t), intent(out) :: books
+        type(diagnostics_t), intent(out) :: diagnostics
         real(dp) :: total((6 + n_account)*size(solid%bodies))
         real(dp) :: terms(6 + n_account, size(solid%bodies))
         integer :: b
 
         if (.not. several(solid%ranks)) return
-        allocate (books%own(6 + n_account, size(solid%bodies)))
-        call look(solid, books%own)
-        terms = books%own
+        allocate (diagnostics%own(6 + n_account, size(solid%bodies)))
+        call look(solid, diagnostics%own)
+        terms = diagnostics%own
         do b = 1, size(solid%bodies) ! all processes know the force that drives a rigid body
             if (solid%bodies(b)%formulation == form_rigid .and. solid%ranks%rank > 0) &
                 terms(4:6, b) = 0
         end do
         call exact_sums(solid%ranks, reshape(terms, [size(total), 1]), total)
-        call write_down(solid, reshape(total, shape(books%own)))
-    end subroutine open_all_books
+        call write_down(solid, reshape(total, shape(diagnostics%own)))
+    end subroutine open_all_diagnostics
 
-    !> Room for what items book of particles; it is kept from one step to the next.
+    !> Room for what items record of particles; it is kept from one step to the next.
     subroutine begin_kick(solid)
         type(solid_t), intent(inout) :: solid
         integer :: n
@@ -61,8 +62,8 @@ contains
         solid%moved = 0
     end subroutine begin_kick
 
-    !> Book the work of the loads in a kick, block by block.
-    subroutine book_work(solid)
+    !> Record the work of the loads in a kick, block by block.
+    subroutine record_work(solid)
         type(solid_t), intent(inout) :: solid
         integer :: i, k
 
@@ -80,10 +81,10 @@ contains
                 account%load = account%load + solid%search%sums(1, k)
             end associate
         end do
-    end subroutine book_work
+    end subroutine record_work
 
-    !> Book the heat of drag on body b, particle by particle.
-    subroutine book_drag(solid, b)
+    !> Record the heat of drag on body b, particle by particle.
+    subroutine record_drag(solid, b)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         integer :: i
@@ -94,18 +95,18 @@ contains
                 solid%work(i) = 0
             end do
         end associate
-    end subroutine book_drag
+    end subroutine record_drag
 
     !> Go back to those of this process alone.
-    subroutine close_all_books(solid, books)
+    subroutine close_all_diagnostics(solid, diagnostics)
         type(solid_t), intent(inout) :: solid
-        type(books_t), intent(in) :: books
+        type(diagnostics_t), intent(in) :: diagnostics
 
-        if (allocated(books%own)) call write_down(solid, books%own)
-    end subroutine close_all_books
+        if (allocated(diagnostics%own)) call write_down(solid, diagnostics%own)
+    end subroutine close_all_diagnostics
 
-    !> After a restart, which gives all processes the books of all: the first one keeps them.
-    subroutine keep_books_of_first(solid)
+    !> After a restart, which gives all processes the diagnostics of all: the first one keeps them.
+    subroutine keep_diagnostics_of_first(solid)
         type(solid_t), intent(inout) :: solid
         real(dp) :: nothing(6 + n_account, size(solid%bodies))
         integer :: b
@@ -117,29 +118,29 @@ contains
                 nothing(4:6, b) = solid%bodies(b)%motion%force
         end do
         call write_down(solid, nothing)
-    end subroutine keep_books_of_first
+    end subroutine keep_diagnostics_of_first
 
-    pure subroutine look(solid, books)
+    pure subroutine look(solid, diagnostics)
         type(solid_t), intent(in) :: solid
-        real(dp), intent(out) :: books(:, :) !! (6 + energy account, bodies)
+        real(dp), intent(out) :: diagnostics(:, :) !! (6 + energy account, bodies)
         integer :: b
 
         do b = 1, size(solid%bodies)
-            books(1:3, b) = solid%bodies(b)%reaction
-            books(4:6, b) = solid%bodies(b)%motion%force
-            books(7:, b) = transfer(solid%bodies(b)%account, books(7:, b))
+            diagnostics(1:3, b) = solid%bodies(b)%reaction
+            diagnostics(4:6, b) = solid%bodies(b)%motion%force
+            diagnostics(7:, b) = transfer(solid%bodies(b)%account, diagnostics(7:, b))
         end do
     end subroutine look
 
-    pure subroutine write_down(solid, books)
+    pure subroutine write_down(solid, diagnostics)
         type(solid_t), intent(inout) :: solid
-        real(dp), intent(in) :: books(:, :) !! (6 + energy account, bodies)
+        real(dp), intent(in) :: diagnostics(:, :) !! (6 + energy account, bodies)
         integer :: b
 
         do b = 1, size(solid%bodies)
-            solid%bodies(b)%reaction = books(1:3, b)
-            solid%bodies(b)%motion%force = books(4:6, b)
-            solid%bodies(b)%account = transfer(books(7:, b), empty)
+            solid%bodies(b)%reaction = diagnostics(1:3, b)
+            solid%bodies(b)%motion%force = diagnostics(4:6, b)
+            solid%bodies(b)%account = transfer(diagnostics(7:, b), empty)
         end do
     end subroutine write_down
-end module brz_solid_books
+end module brz_solid_diagnostics

@@ -34,7 +34,7 @@ GONE = """&body id='chip', box=0.03,0.034, 0,0.004, 0,1, spacing=0.001, material
 """
 
 
-def test_books_are_those_of_the_cpu_after_a_restart_too(deck):
+def test_diagnostics_are_those_of_the_cpu_after_a_restart_too(deck):
     equal_backends(deck, BOOKS, 40, ("energy", "bodies"), 1e-9)
     columns = history(deck / "gpu" / "energy.csv")
     for name in KEPT:  # it has something to say before the restart and after it
@@ -43,7 +43,7 @@ def test_books_are_those_of_the_cpu_after_a_restart_too(deck):
         assert column[40] != column[-1], name
 
 
-def test_books_of_what_is_taken_out_are_those_of_the_cpu(deck):
+def test_diagnostics_of_what_is_taken_out_are_those_of_the_cpu(deck):
     equal_backends(deck, BOOKS + GONE, 40, ("energy", "bodies"), 1e-9)
     columns = history(deck / "gpu" / "energy.csv")
     assert 0 < columns["removed[kg]"][41] < columns["removed[kg]"][-1]
