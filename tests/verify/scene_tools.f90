@@ -7,7 +7,7 @@ module scene_tools
     use brz_key, only: key_t
     use brz_key_table, only: all_keys
     use brz_kinds, only: dp
-    use brz_conservation_audit, only: audit_start_t, balance_t, take_stock
+    use brz_conservation_audit, only: audit_start_t, balance_t, audit_scene
     use brz_ranks, only: ranks_t
     use brz_scanner, only: read_deck
     use brz_simulation, only: simulation_t
@@ -61,7 +61,7 @@ contains
         if (failed(scene%err)) error stop scene%err%text
         if (scene%sim%solid%present) call solid_totals(scene%sim%solid, 0, sums)
         scene%momentum = sums%momentum
-        call take_stock(0.0_dp, scene%sim%backend, scene%sim%air, scene%sim%solid, &
+        call audit_scene(0.0_dp, scene%sim%backend, scene%sim%air, scene%sim%solid, &
             scene%sim%coupling, scene%sim%start, scene%audit, scene%err)
     end subroutine open_deck
 
@@ -73,7 +73,7 @@ contains
         associate (sim => scene%sim)
             call advance(sim, scene%err)
             if (failed(scene%err)) error stop scene%err%text
-            call take_stock(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, &
+            call audit_scene(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, &
                 sim%start, scene%audit, scene%err)
             if (sim%solid%present) call solid_totals(sim%solid, 0, sums)
             scene%mass_error = max(scene%mass_error, abs(scene%audit%mass_error))

@@ -21,14 +21,14 @@ module brz_backend_fetch
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: stock_of_air, stock_of_diagnostics, stock_of_interfaces
+    public :: gather_air, gather_diagnostics, gather_interfaces
     public :: fetch_sums, fetch_order, fetch_deferred_sources, fetch_state, take_snapshot
     public :: fetch_followed, fetch_around
 
 contains
 
     !> Totals of the air; what left through its boundaries is brought up to date in `air`.
-    subroutine stock_of_air(backend, air, coupling, gas, kept, kinetic, products, err)
+    subroutine gather_air(backend, air, coupling, gas, kept, kinetic, products, err)
         type(backend_t), intent(inout) :: backend
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(coupling_t), intent(inout) :: coupling !! its work and impulse are brought up to date
@@ -55,20 +55,20 @@ contains
             call coupling_totals(air, coupling, gas, kept, deferred, kinetic, products)
             kept = kept + deferred
         end if
-    end subroutine stock_of_air
+    end subroutine gather_air
 
     !> Bring the diagnostics of the particles of this process up to date, before those of all are
     !> opened.
-    subroutine stock_of_diagnostics(backend, solid, err)
+    subroutine gather_diagnostics(backend, solid, err)
         type(backend_t), intent(inout) :: backend
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
         if (backend%bodies_on_gpu) call fetch_accounts(solid%device, solid, err)
-    end subroutine stock_of_diagnostics
+    end subroutine gather_diagnostics
 
     !> Bring what cohesive interfaces hold and have spent up to date on the host, of all processes.
-    subroutine stock_of_interfaces(backend, solid, err)
+    subroutine gather_interfaces(backend, solid, err)
         type(backend_t), intent(inout) :: backend
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
@@ -76,7 +76,7 @@ contains
         if (backend%bodies_on_gpu) &
             call fetch_gpu_points(solid%device, .false., solid%cohesive, err)
         call share_points(solid)
-    end subroutine stock_of_interfaces
+    end subroutine gather_interfaces
 
     !> Bring sums and diagnostics to the host that the GPU must work out, for a dump or a
     !> checkpoint.

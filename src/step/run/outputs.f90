@@ -20,7 +20,7 @@ module brz_outputs
     use brz_folder_lock, only: lock_folder
     use brz_kinds, only: dp, real32
     use brz_conservation_audit, only: body_names, body_row, energy_columns, is_balanced, &
-                          audit_row, audit_start_t, balance_t, take_stock
+                          audit_row, audit_start_t, balance_t, audit_scene
     use brz_output_folder, only: folder_fresh, folder_replace, folder_resume, holds_histories, &
                                  prepare_folder
     use brz_progress, only: progress_line
@@ -253,7 +253,7 @@ contains
         type(error_t), intent(inout) :: err
         type(balance_t) :: audit
 
-        call take_stock(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, sim%start, &
+        call audit_scene(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, sim%start, &
                         audit, err)
         call agree(sim%ranks, err)
         if (failed(err)) return

@@ -9,7 +9,7 @@ module brz_summary
     use brz_host_calls, only: counting, print_calls
     use brz_kernel_profile, only: print_profile, profiling
     use brz_kinds, only: dp, int64
-    use brz_conservation_audit, only: audit_start_t, balance_t, take_stock
+    use brz_conservation_audit, only: audit_start_t, balance_t, audit_scene
     use brz_outputs, only: outputs_t
     use brz_gauge_summary, only: gauge_summary
     use brz_ranks, only: least_of_all, most_of_all, several, traffic
@@ -36,7 +36,7 @@ contains
         character(:), allocatable :: text
 
         start = sim%start
-        call take_stock(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, start, &
+        call audit_scene(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, start, &
                         audit, err)
         write (output_unit, '(/, a, es12.5, a, i0, a)') 'end at t =', sim%clock%time, ' s after ', &
             sim%clock%cycle, ' steps'

@@ -7,7 +7,7 @@ module brz_conservation_audit
     use brz_air_state, only: air_t
     use brz_air_totals, only: counts_of_all, outflow_of_all
     use brz_backend, only: backend_t
-    use brz_backend_fetch, only: stock_of_air, stock_of_diagnostics, stock_of_interfaces
+    use brz_backend_fetch, only: gather_air, gather_diagnostics, gather_interfaces
     use brz_cohesive_setup, only: interface_name
     use brz_cohesive_state, only: cohesive_totals
     use brz_coupling_state, only: coupling_diagnostics_t, coupling_t
@@ -20,7 +20,7 @@ module brz_conservation_audit
     use brz_total_steps, only: sums_of_bodies
     implicit none
     private
-    public :: balance_t, audit_start_t, take_stock, is_balanced, energy_columns, audit_row
+    public :: balance_t, audit_start_t, audit_scene, is_balanced, energy_columns, audit_row
     public :: body_names, body_row, judge
 
     integer, parameter :: n_energy = 56, n_body = 14, n_interface = 3
@@ -108,9 +108,9 @@ module brz_conservation_audit
 
 contains
 
-    !> Take stock of the scene. The first call sets what errors are measured against, and each one
-    !> brings the largest terms up to date.
-    subroutine take_stock(time, backend, air, solid, coupling, start, audit, err)
+    !> Gather the terms of the audit. The first call sets what errors are measured against, and each
+    !> one brings the largest terms up to date.
+    subroutine audit_scene(time, backend, air, solid, coupling, start, audit, err)
         real(dp), intent(in) :: time !! [s]
         type(backend_t), intent(inout) :: backend
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
@@ -126,7 +126,7 @@ contains
         audit%time = time
         mass = 0
         if (air%present) then
-            call stock_of_air(backend, air, coupling, audit%gas, audit%kept, &
+            call gather_air(backend, air, coupling, audit%gas, audit%kept, &
                               audit%gas_kinetic, audit%products, err)
             call outflow_of_all(air, audit%outflow, audit%products_out)
             call counts_of_all(air, faces, cells)
@@ -134,7 +134,7 @@ contains
             audit%held_cells = real(cells, dp)
             audit%available = available_energy(air, audit)
         end if
-        if (solid%present) call stock_of_solid(backend, solid, audit, mass, err)
+        if (solid%present) call gather_solid(backend, solid, audit, mass, err)
         if (coupling%present) call diagnostics_of_all(solid%ranks, coupling, taken)
         audit%air_work = taken%work
         audit%reference_work = taken%work_reference
@@ -151,10 +151,10 @@ contains
         if (.not. start%known) start = audit_start_t(.true., audit%total, all(1), all(2:4), &
                                                       supply=largest_term(audit))
         call judge(all, rounding_energy(solid, mass), start, audit)
-    end subroutine take_stock
+    end subroutine audit_scene
 
     !> The bodies and what is between them, by the diagnostics of all processes.
-    subroutine stock_of_solid(backend, solid, audit, mass, err)
+    subroutine gather_solid(backend, solid, audit, mass, err)
         type(backend_t), intent(inout) :: backend
         type(solid_t), intent(inout) :: solid
         type(balance_t), intent(inout) :: audit
@@ -165,7 +165,7 @@ contains
         real(dp) :: of_bodies(n_sum, size(solid%bodies)), area(2)
         integer :: b
 
-        call stock_of_diagnostics(backend, solid, err)
+        call gather_diagnostics(backend, solid, err)
         call open_all_diagnostics(solid, diagnostics)
         call sums_of_bodies(solid, of_bodies, err)
         call totals_of_sums(solid, 0, of_bodies, sums)
@@ -192,9 +192,9 @@ contains
                                    t%damage, solid%bodies(b)%account%load, solid%bodies(b)%reaction]
         end do
         call close_all_diagnostics(solid, diagnostics)
-        call stock_of_interfaces(backend, solid, err)
+        call gather_interfaces(backend, solid, err)
         call cohesive_totals(solid%cohesive, 0, audit%bond(1), audit%bond(2), area(1), area(2))
-    end subroutine stock_of_solid
+    end subroutine gather_solid
 
     !> Energy that the air could hand to bodies: that of its motion, and what its mass holds beyond
     !> air at rest [J].
