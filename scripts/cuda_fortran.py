@@ -219,7 +219,7 @@ def aligned(text, path, name):
     source = re.sub(r"&\s*\n\s*&?", "", path.read_text(encoding="utf-8"))
     found = re.search(rf"subroutine\s+{name}\s*\(([^)]*)\)(.*?)end subroutine", source, re.I | re.S)
     for place, argument in enumerate(x.strip() for x in found[1].split(",")):
-        rows = re.search(rf"\b{argument}\((?:lay%wide|n_pair|n_held|n_press), \*\)", found[2])
+        rows = re.search(rf"\b{argument}\((?:lay%wide|n_pair|n_control|n_press), \*\)", found[2])
         if name.startswith("solid_") or rows:
             given[place] = re.sub(r"\bptr\b(?! byval)", "ptr align 16", given[place])
     return text[: head.start(1)] + ", ".join(given) + text[head.end(1) :]

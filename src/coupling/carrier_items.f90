@@ -7,7 +7,7 @@ module brz_carrier_items
     use brz_column_items, only: depth_weight, force_from
     use brz_coupling_box, only: box_t, is_own
     use brz_kinds, only: dp, int32, rk
-    use brz_particle_marks, only: is_held
+    use brz_particle_marks, only: is_fixed
     implicit none
     private
     public :: sum_shift, sum_push, sum_air_load
@@ -115,7 +115,7 @@ contains
         logical :: loaded
 
         i = first - 1 + p
-        if (.not. is_carried(carrier%carries, fixed(i) == is_held)) return
+        if (.not. is_carried(carrier%carries, fixed(i) == is_fixed)) return
         loaded = .false.
         do d = 1, 3
             force(d) = load(1 + (i - 1)*step_p + (d - 1)*step_d)

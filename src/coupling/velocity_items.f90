@@ -9,7 +9,7 @@ module brz_velocity_items
     use brz_kinds, only: dp, int32, rk
     use brz_cell_store_items, only: faces_at
     use brz_load_rules, only: pushed_velocity
-    use brz_particle_marks, only: is_held
+    use brz_particle_marks, only: is_fixed
     implicit none
     private
     public :: mean_velocity_of, push_wall, keep_velocity
@@ -29,7 +29,7 @@ contains
         integer :: b
 
         b = carrier_at(bodies, carrier, p)
-        if (.not. is_carried(carrier(b)%carries, fixed == is_held)) b = 0
+        if (.not. is_carried(carrier(b)%carries, fixed == is_fixed)) b = 0
     end function carrier_of
 
     !> Velocity that a body gives to the walls of the cell that holds a particle of it [m/s].
@@ -164,7 +164,7 @@ contains
             end do
             do q = 1, at_once
                 if (i + q - 1 > ends(c + 1)) exit
-                held = held .or. hold(q) == is_held
+                held = held .or. hold(q) == is_fixed
                 b = carrier_of(bodies, carrier, some(q), hold(q))
                 if (b > 0) then
                     w = carried_at(box, carrier(b), x(1, some(q)))

@@ -5,7 +5,7 @@ module brz_solid_bonds
     use brz_bond_loops, only: each_break_bond
     use brz_force_layout, only: at_drag, at_heat, n_terms
     use brz_formulation_names, only: form_rigid
-    use brz_hold_layout, only: n_held
+    use brz_hold_layout, only: n_control
     use brz_kinds, only: dp, real32, rk
     use brz_moment_layout, only: n_moments
     use brz_pair_layout, only: pair_tilt
@@ -15,7 +15,7 @@ module brz_solid_bonds
     public :: add_bonded_gradients, add_bonded_forces, push_rigid_bonds, break_bonds
 
     real(real32), target :: no_axes(6, 1) = 0
-    real(rk), target :: none_held(n_held, 1) = 0
+    real(rk), target :: none_held(n_control, 1) = 0
 
 contains
 
@@ -37,15 +37,15 @@ contains
         integer, intent(in) :: i
         real(rk), intent(inout) :: f(n_terms)
         real(real32), pointer :: k_axes(:, :)
-        real(rk), pointer :: held(:, :)
+        real(rk), pointer :: control(:, :)
 
         k_axes => no_axes
-        held => none_held
+        control => none_held
         if (allocated(solid%k_axes)) k_axes => solid%k_axes
-        if (allocated(solid%held)) held => solid%held
+        if (allocated(solid%control)) control => solid%control
         associate (s => solid, l => solid%links)
             call pull_bonds(i, l%lay, l%ends, l%table, s%x, s%x_ref, s%v, s%mass, s%pair, k_axes, &
-                            held, l%bond, l%row, l%slice(1:), l%count(1:), l%list, f)
+                            control, l%bond, l%row, l%slice(1:), l%count(1:), l%list, f)
         end associate
     end subroutine add_bonded_forces
 

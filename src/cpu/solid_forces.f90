@@ -6,7 +6,7 @@ module brz_solid_forces
     use brz_air_force, only: air_force
     use brz_force_layout, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_terms
     use brz_formulation_names, only: artificial_none, form_rigid, form_total
-    use brz_hold_layout, only: held_affine, held_energy, held_stiffness, n_held
+    use brz_hold_layout, only: control_affine, control_energy, control_stiffness, n_control
     use brz_kernel, only: smoothing_length
     use brz_kinds, only: dp, int64, real32, rk
     use brz_pair_layout, only: n_pair, pair_tilt
@@ -21,8 +21,8 @@ module brz_solid_forces
     use brz_solid_pair_sums, only: add_pairs
     use brz_solid_artificial, only: add_artificial
     use brz_solid_state, only: solid_t
-    use brz_support, only: held_share
-    use brz_tension_hold, only: kept_work
+    use brz_support, only: fixed_share
+    use brz_tensile_control, only: kept_work
     use brz_threads, only: worth_threads
     use brz_tilted_arm, only: mirrored_tilt
     implicit none
@@ -32,7 +32,7 @@ module brz_solid_forces
     !> What pass 1 left of particles, as their images have it.
     type :: image_rows_t
         real(rk) :: pair(n_pair, most_images) = 0
-        real(rk) :: held(n_held, most_images) = 0
+        real(rk) :: control(n_control, most_images) = 0
         real(real32) :: k_axes(6, most_images) = 0
     end type image_rows_t
 
@@ -56,7 +56,7 @@ contains
         end if
         do k = 1, size(solid%bodies)
             associate (account => solid%bodies(k)%account)
-                if (solid%bodies(k)%tension_hold > 0 .and. .not. (solid%bodies(k)%asleep &
+                if (solid%bodies(k)%tensile_control > 0 .and. .not. (solid%bodies(k)%asleep &
                                                                   .and. dt > 0)) then
                     account%hourglass = 0 ! what the blocks hold now
                 else if (solid%bodies(k)%artificial == artificial_none) then
@@ -72,7 +72,8 @@ contains
                 body%account%viscous = body%account%viscous + sums(1)
                 body%account%early = body%account%early + (sums(1) + sums(7))/2
                 body%account%hourglass_heat = body%account%hourglass_heat + sums(7)
-                if (body%tension_hold > 0) body%account%hourglass = body%account%hourglass + sums(8)
+                if (body%tensile_control > 0) body%account%hourglass = body%account%hourglass + &
+                    sums(8)
                 if (body%artificial == artificial_none) then
                     body%account%hourglass = body%account%hourglass + sums(2)
                 else
@@ -123,7 +124,7 @@ contains
         call take_rows(solid, body, p)
         p%sums = 0
         call add_pairs(p, solid%x, solid%v, solid%x_ref, solid%pair, solid%h, solid%list(p%list), &
-                       solid%k_axes, solid%held)
+                       solid%k_axes, solid%control)
         if (.not. any(solid%mirror)) return
         g = group_of(body, p%i)
         do k = solid%image_first(g), solid%image_first(g + 1) - 1, most_images
@@ -132,7 +133,7 @@ contains
             call mirror_rows(solid, p, k, last, rows)
             p%count = int(last - k) + 1
             call add_pairs(p, images%x, images%v, images%x_ref, rows%pair, images%h, in_turn, &
-                           rows%k_axes, rows%held)
+                           rows%k_axes, rows%control)
         end do
     end subroutine sum_group
 
@@ -143,17 +144,18 @@ contains
         type(lane_group_t), intent(inout) :: p
         integer :: i, l
 
-        p%held = body%tension_hold > 0 .and. any(body%normal > 0)
-        if (body%drawn .and. .not. p%held) p%held = some_pair_held(solid, body, p)
+        p%control = body%tensile_control > 0 .and. any(body%normal > 0)
+        if (body%drawn .and. .not. p%control) p%control = some_pair_held(solid, body, p)
         do l = 1, lanes
             i = min(p%i + l - 1, p%last)
             p%row(l, :) = solid%pair(:, i)
             if (p%directional) p%k_axes(l, :) = real(solid%k_axes(:, i), rk)
-            if (p%held) p%own(l, :) = solid%held(:, i)
+            if (p%control) p%own(l, :) = solid%control(:, i)
         end do
     end subroutine take_rows
 
-    !> True where the hold acts on some pair of a group, the members of which are in its list.
+    !> True where the tensile control acts on some pair of a group, the members of which are in its
+    !> list.
     pure logical function some_pair_held(solid, body, p) result(yes)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
@@ -164,11 +166,11 @@ contains
         g = group_of(body, p%i)
         yes = .true.
         do k = solid%first(g), solid%first(g + 1) - 1
-            if (solid%held(held_stiffness, solid%list(k)) > 0) return
+            if (solid%control(control_stiffness, solid%list(k)) > 0) return
         end do
         if (any(solid%mirror)) then
             do k = solid%image_first(g), solid%image_first(g + 1) - 1
-                if (solid%held(held_stiffness, solid%image(k)) > 0) return
+                if (solid%control(control_stiffness, solid%image(k)) > 0) return
             end do
         end if
         yes = .false.
@@ -191,8 +193,8 @@ contains
             s = signs(int(solid%mask(e)))
             rows%pair(:, n) = solid%pair(:, j)
             call mirror_row(s, rows%pair(:, n))
-            if (p%held) rows%held(:, n) = solid%held(:, j)
-            if (p%held) call mirror_tensor(s, rows%held(held_affine + 1, n))
+            if (p%control) rows%control(:, n) = solid%control(:, j)
+            if (p%control) call mirror_tensor(s, rows%control(control_affine + 1, n))
             if (.not. p%curved) &
                 rows%pair(pair_tilt, n) = mirrored_tilt(s, p%normal, solid%pair(pair_tilt, j))
             if (p%directional) rows%k_axes(:, n) = real(mirrored(s, solid%k_axes(:, j)), real32)
@@ -255,8 +257,8 @@ contains
 
     !> Use the sums of particle i: acceleration, heat, energy account of its block.
     !>
-    !> The work against the hold is counted pair by pair, so that a body which flies has the heat of
-    !> one at rest.
+    !> The work against the tensile control is counted pair by pair, so that a body which flies has
+    !> the heat of one at rest.
     !> The heat of the pairs is that of the velocity before the kick. A force works with the mean of
     !> the velocities before and after it, so the drag takes dt/2 of its power on the acceleration
     !> back: then the energy of the drag is closed to rounding.
@@ -266,25 +268,25 @@ contains
         real(rk), intent(in) :: dt
         integer, intent(in) :: i, k
         real(rk), intent(in) :: f(n_terms)
-        real(rk) :: force(3), held(3), load(3), kick(3), heat, friction, before, after, kept
+        real(rk) :: force(3), fixed_part(3), load(3), kick(3), heat, friction, before, after, kept
 
         load = air_force(solid, i)
         if (solid%steps == 0) load = 0 ! all of it acts after the half step up to here
         force = f(1:3) + f(at_drag + 1:at_drag + 3) + f(at_stiff + 1:at_stiff + 3)
-        held = 0
-        if (solid%fixed(i) /= is_free) held = held_share(solid%fixed(i))
-        solid%a(:, i) = (1 - held)*force/solid%mass(i)
-        kick = (1 - held)*dt*(solid%a(:, i) + load/solid%mass(i))
+        fixed_part = 0
+        if (solid%fixed(i) /= is_free) fixed_part = fixed_share(solid%fixed(i))
+        solid%a(:, i) = (1 - fixed_part)*force/solid%mass(i)
+        kick = (1 - fixed_part)*dt*(solid%a(:, i) + load/solid%mass(i))
         heat = f(at_heat) - dot_product(f(at_drag + 1:at_drag + 3), kick)/2
         friction = dt*f(at_friction)
         before = -dt/2*dot_product(f(at_stiff + 1:at_stiff + 3), solid%v(:, i))
         after = -dt/2*dot_product(f(at_stiff + 1:at_stiff + 3), solid%v(:, i) + kick)
         associate (sums => solid%search%sums(:, k))
-            if (body%tension_hold > 0) then
-                associate (owed => solid%owed(i), work => dt/2*f(at_work))
-                    kept = kept_work(owed + work, solid%held(held_energy, i))
-                    friction = friction + (owed + work - kept)
-                    owed = kept + work + (after - before)
+            if (body%tensile_control > 0) then
+                associate (control_due => solid%control_due(i), work => dt/2*f(at_work))
+                    kept = kept_work(control_due + work, solid%control(control_energy, i))
+                    friction = friction + (control_due + work - kept)
+                    control_due = kept + work + (after - before)
                     sums(8) = sums(8) + kept
                 end associate
             else
@@ -293,8 +295,8 @@ contains
             end if
             sums(1) = sums(1) + dt*heat
             sums(7) = sums(7) + friction
-            sums(3:5) = sums(3:5) + dt*held*(force + load)
-            if (allocated(solid%grip)) solid%grip(:, i) = held*(force + load)
+            sums(3:5) = sums(3:5) + dt*fixed_part*(force + load)
+            if (allocated(solid%grip)) solid%grip(:, i) = fixed_part*(force + load)
         end associate
         solid%energy(i) = solid%energy(i) + (dt*heat + friction)/solid%mass(i)
         if (.not. (dot_product(f, f) <= huge(dt)) .or. solid%mu(i) <= -1) then

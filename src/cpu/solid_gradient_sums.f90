@@ -83,7 +83,7 @@ contains
         include 'solid_gradient_sums.inc'
     end subroutine sum_bending
 
-    !> Also its moments, for the hold.
+    !> Also its moments, for the tensile control.
     subroutine sum_drawn(p, x, v, x_ref, volume, h, list, sums)
         integer, parameter :: kind = drawn
 

@@ -11,7 +11,7 @@ module brz_solid_gradients
     use brz_face_stress, only: face_work
     use brz_formulation_names, only: form_bending, form_rigid, form_total, form_uncorrected
     use brz_gradient, only: correction, midstep_gradient, piola, stable_step, total_gradient
-    use brz_hold_layout, only: held_affine, held_stiffness
+    use brz_hold_layout, only: control_affine, control_stiffness
     use brz_intact_share, only: intact_share
     use brz_kinds, only: dp, int64, int8, rk
     use brz_lone_layer, only: close_layer, face_power, lie_in_layer, open_faces, stay_in_layer, &
@@ -25,14 +25,14 @@ module brz_solid_gradients
     use brz_particle_marks, only: is_gone
     use brz_ply_axes, only: axes_matrix
     use brz_rigid_pose, only: pose_t, resting_pose
-    use brz_row_items, only: fill_hold, fill_row, row_rules_t, rules_of, stiffen_along
+    use brz_row_items, only: fill_control, fill_row, row_rules_t, rules_of, stiffen_along
     use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_gradient_sums, only: add_neighbours
     use brz_solid_arrays, only: group_of
     use brz_solid_lanes, only: lane_group_t, images_t, in_turn, most_images, place_body, &
                                place_group, place_images
     use brz_solid_state, only: solid_t
-    use brz_tension_hold, only: deviation, kappa_of, may_be_drawn
+    use brz_tensile_control, only: deviation, kappa_of, may_be_drawn
     use brz_threads, only: worth_threads
     use brz_tilted_arm, only: tilted_correction
     implicit none
@@ -140,7 +140,7 @@ contains
         end do
     end subroutine tilt_group
 
-    !> Which of a group may need the hold: what was in tension before the step.
+    !> Which of a group may need the tensile control: what was in tension before the step.
     pure subroutine find_drawn(solid, body, p)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
@@ -148,7 +148,7 @@ contains
         integer :: l
 
         p%drawn = .false.
-        if (.not. body%tension_hold > 0) return
+        if (.not. body%tensile_control > 0) return
         do l = 1, p%last - p%i + 1
             p%drawn(l) = may_be_drawn(solid%stress(:, p%i + l - 1))
         end do
@@ -242,7 +242,7 @@ contains
         if (body%layer > 0) call stay_in_layer(b, solid%pair(pair_stress + 1, i))
         if (solid%links%faces) &
             call move_face(solid, body, i, real(dt, rk), rho, f, b, h)
-        if (weak /= 0 .and. (body%formulation == form_bending .or. body%tension_hold > 0 .or. &
+        if (weak /= 0 .and. (body%formulation == form_bending .or. body%tensile_control > 0 .or. &
                              body%formulation == form_total)) solid%limp(i) = 1
         limp = solid%limp(i)
         call fill_row(rules, h, a, rho, c_bulk, solid%volume(i), 0.0_rk, solid%stress(:, i), &
@@ -251,10 +251,10 @@ contains
         solid%limp(i) = int(limp, int8)
         if (body%directional) call stiffen_along(body%axes(:, :, solid%ply(i)), left_of( &
             solid, body, i), solid%k_axes(:, i), solid%pair(:, i))
-        if (.not. body%tension_hold > 0) return
+        if (.not. body%tensile_control > 0) return
         call hold_particle(solid, body, i, drawn, a, sums(at_s + 1:at_y), &
                            sum(sums(:solid%dimension)))
-        if (solid%held(held_stiffness, i) > 0) solid%search%drawn(k) = .true.
+        if (solid%control(control_stiffness, i) > 0) solid%search%drawn(k) = .true.
     end subroutine advance
 
     !> Record the work of the stress that a load brings to faces: it is work of the load. The air
@@ -346,7 +346,8 @@ contains
         end associate
     end function left_of
 
-    !> The hold of particle i: nothing where it was not in tension or has lost its support.
+    !> The tensile control of particle i: nothing where it was not in tension or has lost its
+    !> support.
     subroutine hold_particle(solid, body, i, drawn, a, s, trace)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
@@ -370,10 +371,10 @@ contains
         end if
         mu = solid%mu(i)
         if (solid%materials(body%material)%class == class_elastic) mu = 0
-        call copy_matrix(f, solid%held(held_affine + 1, i))
-        call fill_hold(kappa_of(body%tension_hold, body%lift, solid%pair(pair_tilt, i)), &
+        call copy_matrix(f, solid%control(control_affine + 1, i))
+        call fill_control(kappa_of(body%tensile_control, body%lift, solid%pair(pair_tilt, i)), &
                        solid%stress(:, i), mu, q, there, solid%volume(i), int(solid%limp(i)), &
-                       solid%held(:, i))
+                       solid%control(:, i))
     end subroutine hold_particle
 
     !> The velocity gradient across a layer: its faces are free of stress at the end of the step.

@@ -9,7 +9,7 @@ module brz_solid_lanes
     use brz_body, only: body_t
     use brz_force_layout, only: n_terms
     use brz_gradient, only: limiter_slope
-    use brz_hold_layout, only: n_held
+    use brz_hold_layout, only: n_control
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: dp, int32, int64, rk
     use brz_pair_layout, only: n_pair
@@ -58,9 +58,9 @@ module brz_solid_lanes
         real(rk), allocatable :: there(:, :) !! the same of their neighbours, for pass 2
         real(rk) :: tilt(lanes) = 0 !! for pass 1 [1/m]
         logical :: drawn(lanes) = .false. !! for pass 1: was in tension
-        logical :: held = .false. !! for pass 2: some pair has the hold
+        logical :: control = .false. !! for pass 2: some pair has the tensile control
         real(rk) :: row(lanes, n_pair) = 0 !! for pass 2, see brz_pair_layout
-        real(rk) :: own(lanes, n_held) = 0 !! the same, the hold
+        real(rk) :: own(lanes, n_control) = 0 !! the same, the tensile control
         real(rk) :: k_axes(lanes, 6) = 0 !! the same, where a body has a stiffness along axes
         real(rk) :: sums(lanes, n_terms) = 0 !! what pass 2 sums up
     end type lane_group_t

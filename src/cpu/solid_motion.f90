@@ -9,7 +9,7 @@ module brz_solid_motion
     use brz_solid_arrays, only: group_of
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: solid_t
-    use brz_tension_hold, only: may_be_drawn
+    use brz_tensile_control, only: may_be_drawn
     use brz_threads, only: worth_threads
     implicit none
     private
@@ -81,11 +81,12 @@ contains
         do k = 1, size(solid%block, 2)
             associate (body => solid%bodies(solid%block(1, k)))
                 if (.not. anew(solid%block(1, k))) cycle
-                if (body%formulation /= form_bending .and. .not. body%tension_hold > 0) cycle
+                if (body%formulation /= form_bending .and. .not. body%tensile_control > 0) cycle
                 fails = solid%materials(body%material)%fails
                 do i = solid%block(2, k), solid%block(3, k)
                     if (solid%limp(i) == 1) cycle
-                    if (body%tension_hold > 0) then ! no hold that could end, and no tilt
+                    ! no tensile control that could end, and no tilt
+                    if (body%tensile_control > 0) then
                         if (.not. (may_be_drawn(solid%stress(:, i)) .or. is_tilted(solid, i))) &
                             cycle
                     end if

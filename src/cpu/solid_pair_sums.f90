@@ -7,7 +7,7 @@
 module brz_solid_pair_sums
     use brz_force_layout, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_terms
     use brz_formulation_names, only: form_bending, form_corrected_hourglass, form_total
-    use brz_hold_layout, only: held_affine, held_stiffness, held_whole, n_held
+    use brz_hold_layout, only: control_affine, control_stiffness, control_whole, n_control
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, real32, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, jump_speed, &
@@ -25,7 +25,7 @@ module brz_solid_pair_sums
     public :: sum_viscous_jump, sum_held_jump, sum_plate_jump, sum_wall, sum_wall_jump
 
     ! kinds, in an order in which those that share a force follow each other
-    integer, parameter :: plain = 1, viscous = 2, viscous_jump = 3, held = 4, held_jump = 5, &
+    integer, parameter :: plain = 1, viscous = 2, viscous_jump = 3, control = 4, held_jump = 5, &
                           plate = 6, plate_jump = 7, wall = 8, wall_jump = 9, stiff = 10, &
                           total = 11, axial = 12, wide = 13
 
@@ -39,22 +39,22 @@ contains
         real(rk), intent(in) :: v(3, *), pair(n_pair, *), h(*)
         integer(int32), intent(in) :: list(*)
         real(real32), intent(in), optional :: k_axes(6, *) !! only with a stiffness along axes
-        real(rk), intent(in), optional :: drawn(n_held, *) !! only with the hold
+        real(rk), intent(in), optional :: drawn(n_control, *) !! only with the tensile control
         integer :: kind
 
         kind = plain
         if (p%formulation == form_corrected_hourglass) kind = viscous
         if (p%formulation == form_bending) kind = merge(axial, stiff, p%directional)
         if (p%formulation == form_total) kind = merge(wide, total, p%directional)
-        if (p%held) kind = merge(plate, held, any(p%normal > 0))
-        if (p%held .and. p%curved) kind = wall
-        if (p%jumps) kind = merge(kind, viscous, p%held) + 1
-        if (p%held .and. p%curved) call find_normals(p, x_ref, list)
+        if (p%control) kind = merge(plate, control, any(p%normal > 0))
+        if (p%control .and. p%curved) kind = wall
+        if (p%jumps) kind = merge(kind, viscous, p%control) + 1
+        if (p%control .and. p%curved) call find_normals(p, x_ref, list)
         select case (kind)
         case (plain); call sum_plain(p, x, v, x_ref, pair, h, list, k_axes, drawn)
         case (viscous); call sum_viscous(p, x, v, x_ref, pair, h, list, k_axes, drawn)
         case (viscous_jump); call sum_viscous_jump(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        case (held); call sum_held(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+        case (control); call sum_held(p, x, v, x_ref, pair, h, list, k_axes, drawn)
         case (held_jump); call sum_held_jump(p, x, v, x_ref, pair, h, list, k_axes, drawn)
         case (plate); call sum_plate(p, x, v, x_ref, pair, h, list, k_axes, drawn)
         case (plate_jump); call sum_plate_jump(p, x, v, x_ref, pair, h, list, k_axes, drawn)
@@ -88,9 +88,9 @@ contains
         include 'solid_pair_sums.inc'
     end subroutine sum_viscous_jump
 
-    !> Also the viscous hourglass force, and the hold.
+    !> Also the viscous hourglass force, and the tensile control.
     subroutine sum_held(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        integer, parameter :: kind = held
+        integer, parameter :: kind = control
 
         include 'solid_pair_sums.inc'
     end subroutine sum_held
@@ -102,7 +102,7 @@ contains
         include 'solid_pair_sums.inc'
     end subroutine sum_held_jump
 
-    !> As held, and tilts: plates.
+    !> As control, and tilts: plates.
     subroutine sum_plate(p, x, v, x_ref, pair, h, list, k_axes, drawn)
         integer, parameter :: kind = plate
 

@@ -20,7 +20,7 @@ module brz_air_steps
     use brz_fallback_loops, only: for_each_count_marked
     use brz_ghost_loops, only: for_each_fill_end
     use brz_kinds, only: dp, int64
-    use brz_positivity, only: hold_step, most_holds
+    use brz_positivity, only: limit_step, most_holds
     use brz_ranks, only: several
     use brz_runge_kutta, only: repair_passes
     use brz_scheme, only: first_order
@@ -158,11 +158,11 @@ contains
             call find_bad(air, found, err)
             if (.not. found) exit
             call tell_marks(air, err)
-            pass = pass + hold_step
+            pass = pass + limit_step
             call redo(air, wall, stage, pass, to_redo, err)
             call find_bad(air, found, err) ! whether cells must be held is asked again
         end do
-        if (pass >= hold_step) call add_count(air, pass, air%held_cells, err)
+        if (pass >= limit_step) call add_count(air, pass, air%limited_cells, err)
     end subroutine hold_cells
 
     !> The marks of cells beside the box, of other processes.

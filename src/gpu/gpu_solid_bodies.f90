@@ -101,7 +101,7 @@ contains
         params%rules = rules_of(solid%bodies(b), material)
         params%fails = material%fails
         params%springs = merge(1, 0, material%class == class_elastic)
-        params%owed = column%owed
+        params%control_due = column%control_due
         params%grip = column%grip
         params%in_air = merge(0, 1, allocated(solid%loads%of))
         params%face_stress = merge(column%face_stress, 0, solid%bodies(b)%face_share > 0)
@@ -112,7 +112,7 @@ contains
         gpu%slices = (gpu%last - gpu%first)/slice_width + 1
         gpu%total = params%formulation == form_total
         gpu%rigid = params%formulation == form_rigid
-        gpu%drawn = params%tension_hold > 0
+        gpu%drawn = params%tensile_control > 0
         gpu%layer = params%layer > 0
         gpu%reach = solid%bodies(b)%face_share*real(solid%bodies(b)%spacing, rk)
         gpu%density = material%density
@@ -158,7 +158,7 @@ contains
 
         name = 'alone'
         if (p%formulation == form_bending .or. p%formulation == form_total) name = 'beside'
-        if (p%tension_hold > 0) name = 'drawn'
+        if (p%tensile_control > 0) name = 'drawn'
         if (any(p%normal > 0)) name = 'tilted'
         if (p%curved == 1) name = 'curved'
         if (any(p%normal > 0) .and. p%formulation == form_total) name = 'referred'
@@ -176,7 +176,7 @@ contains
             if (p%directional == 1 .and. p%formulation == form_total) name = 'wide'
         case (form_corrected_hourglass)
             name = 'viscous'
-            if (p%tension_hold > 0) name = 'drawn'
+            if (p%tensile_control > 0) name = 'drawn'
             if (any(p%normal > 0)) name = 'plate'
             if (p%curved == 1) name = 'wall'
         case default

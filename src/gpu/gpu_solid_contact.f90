@@ -34,7 +34,7 @@ contains
             call solid_kernels%solid_bond_moments([l%n_linked, 1, 1], gpu%step_d, l%n_linked, &
                 l%linked, l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%volume, &
                 gpu%mass, l%bond, l%slice, l%count, l%list, gpu%row, gpu%grad, gpu%k_axes, &
-                gpu%held, err)
+                gpu%control, err)
         end associate
     end subroutine add_bond_moments
 
@@ -159,7 +159,7 @@ contains
             if (solid%links%faces) call refresh_rows(gpu, solid, err) ! with what faces bring
             if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%step_d, l%lay, &
                 l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%k_axes, &
-                gpu%held, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
+                gpu%control, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
             if (glue%present) call cohesive_kernels%add_pull(glue%nodes, gpu%step_d, &
                 integers_t(address=on_device(glue%place)), &
                 doubles_t(address=on_device(glue%push(:, 1:))), gpu%extra, err)

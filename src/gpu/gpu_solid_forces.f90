@@ -31,7 +31,7 @@ contains
             associate (body => gpu%bodies(b))
                 call launch_solid_forces(body%forces, threads_of(body), gpu%step_d, real(dt, rk), &
                     merge(1, 0, gpu%linked), load, body%params, gpu%place, gpu%near, gpu%far, &
-                    gpu%motion, gpu%row, gpu%k_axes, gpu%held, body%slice, gpu%acting, &
+                    gpu%motion, gpu%row, gpu%k_axes, gpu%control, body%slice, gpu%acting, &
                     body%pairs, gpu%extra, gpu%state, gpu%tag, gpu%diag, gpu%flags, err)
             end associate
         end do

@@ -147,7 +147,7 @@ contains
         end if
         call launch_solid_moments(body%moments, threads_of(body), gpu%step_d, body%params, place, &
             other, near, far, gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad, &
-            gpu%state, gpu%tag, gpu%k_axes, gpu%held, gpu%acting, body%pairs, err)
+            gpu%state, gpu%tag, gpu%k_axes, gpu%control, gpu%acting, body%pairs, err)
     end subroutine sum_moments
 
     subroutine find_gradients(gpu, body, dt, err)
@@ -157,7 +157,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call solid_kernels%solid_gradients(threads_of(body), gpu%step_d, body%params, gpu%row, &
-            gpu%grad, gpu%tag, gpu%k_axes, gpu%held, gpu%state, dt, err)
+            gpu%grad, gpu%tag, gpu%k_axes, gpu%control, gpu%state, dt, err)
     end subroutine find_gradients
 
     !> A single layer: take out of the energy what the stress does on its faces.
@@ -203,6 +203,6 @@ contains
 
         call solid_kernels%solid_rows(threads_of(body), gpu%step_d, dt, body%params, &
             body%material, gpu%place, gpu%grad, gpu%state, gpu%tag, gpu%motion, gpu%row, gpu%rate, &
-            gpu%axes, gpu%k_axes, gpu%held, gpu%diag, gpu%flags, err)
+            gpu%axes, gpu%k_axes, gpu%control, gpu%diag, gpu%flags, err)
     end subroutine fill_rows
 end module brz_gpu_solid_gradients

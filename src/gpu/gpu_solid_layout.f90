@@ -8,8 +8,9 @@
 !>     motion(4, n)     velocity [m/s], volume [m3]
 !>     row(n_pair, n)   what pass 2 needs, slots of brz_solid_state
 !>     k_axes(6, n)     hourglass stiffness along axes [Pa]; in pass 1 the tilt [1/m] in slot 1
-!>     held(n_held, n)  the hold, where bodies have it, slots of brz_solid_state; in pass 1 the sums
-!>                      S of brz_tension_hold in 1..6, then F in held_affine and what is named below
+!>     held(n_control, n)  the tensile control, where bodies have it, slots of brz_solid_state; in
+!>                      pass 1 the sums S of brz_tensile_control in 1..6, then F in control_affine
+!>                      and what is named below
 !> What only the particle itself reads lies column by column: state(n, ...), tag(n, ...), and
 !> diag(n, ...), whose sums over a body are its energy account. There n is a few places more than
 !> there are, so that every column begins on a whole row of memory, see whole_lanes.
@@ -40,10 +41,10 @@ module brz_gpu_solid_layout
     ! particle, keeps them
     integer, parameter :: diag_viscous = 1, diag_friction = 2
     integer, parameter :: diag_stiff = 3 !! held by the hourglass or artificial force, with ahead;
-                                        !! by the hold now
+                                        !! by the tensile control now
     integer, parameter :: diag_ahead = 4 !! the part of the half step to come
     integer, parameter :: diag_plastic = 5, diag_damage = 6
-    integer, parameter :: diag_force = 6 !! + 1..3: impulse on held particles
+    integer, parameter :: diag_force = 6 !! + 1..3: impulse on fixed particles
     integer, parameter :: diag_contact = 10 !! energy that contact holds now
     integer, parameter :: diag_contact_heat = 11, diag_rub = 12 !! heat of contact, of friction
     integer, parameter :: diag_load = 13 !! work of the load
@@ -53,7 +54,7 @@ module brz_gpu_solid_layout
     integer, parameter :: n_diag = 16
 
     integer, parameter :: flag_bad = 1 !! a particle has an impossible state
-    integer, parameter :: flag_drawn = 2 !! the hold acts on a particle
+    integer, parameter :: flag_drawn = 2 !! the tensile control acts on a particle
     integer, parameter :: n_flag = 2 !! behind them, body by body, a flag for each level of motion
                                      !! that some particle has reached, see brz_list_drift
 
@@ -74,11 +75,12 @@ module brz_gpu_solid_layout
         integer :: axes !! place before the axes of ply 0 among those of all bodies
         integer :: variable !! 1: the smoothing length follows the density
         integer :: springs !! 1: back from any expansion
-        integer :: owed !! column of `state` with what the hold owes, see brz_solid_state
+        integer :: control_due !! column of `state` with what the tensile control owes, see
+                               !! brz_solid_state
         integer :: in_air !! 1: the air loads the bodies
         integer :: face_stress !! column of `state` before that of the load on its faces, 0: none
         integer :: grip !! column of `state` before the force on what holds a particle, 0: none
-        integer :: keep_force !! 1: impulses on held particles add up; 0: those of one step
+        integer :: keep_force !! 1: impulses on fixed particles add up; 0: those of one step
         real(rk) :: scale, half_over_h !! of the kernel
         real(rk) :: depth !! of directions that are not modelled [m or m2]
         real(rk) :: spares !! 1: the viscosity spares smooth flow, see jump_speed

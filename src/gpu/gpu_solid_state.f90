@@ -15,7 +15,7 @@ module brz_gpu_solid_state
         diag_contact_heat, diag_load, grid_gpu_t, &
         n_diag, n_flag, n_linked_tag, n_tag, n_terms, tag_bond, tag_face, &
         tag_fixed, tag_id, tag_joined, tag_touch, tag_weight
-    use brz_hold_layout, only: n_held
+    use brz_hold_layout, only: n_control
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: n_press
     use brz_links, only: links_t
@@ -126,7 +126,7 @@ contains
         call visit(gpu%row, n_pair*w, 1, is_left)
         if (allocated(solid%k_axes) .or. allocated(solid%tilt)) &
             call visit(gpu%k_axes, 6, 1, is_left)
-        if (allocated(solid%held)) call visit(gpu%held, n_held*w, 1, is_left)
+        if (allocated(solid%control)) call visit(gpu%control, n_control*w, 1, is_left)
         call visit(gpu%diag, 2, n_diag, stays)
         call visit(gpu%grad, w, merge(18, 9, allocated(solid%tilt) .and. &
             any(solid%bodies%formulation == form_total)), passes)
@@ -199,7 +199,7 @@ contains
         if (gpu%column%face_stress > 0) &
             gpu%face_stress = column_of(gpu, gpu%column%face_stress + 1)
         if (gpu%column%before > 0) gpu%v_before = column_of(gpu, gpu%column%before + 1)
-        if (gpu%column%owed > 0) gpu%owed = column_of(gpu, gpu%column%owed)
+        if (gpu%column%control_due > 0) gpu%control_due = column_of(gpu, gpu%column%control_due)
         if (gpu%column%grip > 0) gpu%grip = column_of(gpu, gpu%column%grip + 1)
         gpu%pair = gpu%row
         gpu%work = diag_of(gpu, diag_load)
@@ -253,7 +253,7 @@ contains
         if (allocated(solid%face_stress)) call attach(solid%face_stress, gpu%face_stress)
         if (allocated(solid%v_before)) call attach(solid%v_before, gpu%v_before)
         if (allocated(solid%grip)) call attach(solid%grip, gpu%grip)
-        if (allocated(solid%owed)) call attach(solid%owed, gpu%owed)
+        if (allocated(solid%control_due)) call attach(solid%control_due, gpu%control_due)
         call attach(solid%device%heat, gpu%contact_heat)
         if (gpu%linked) call attach_links(gpu, solid%links)
     end subroutine attach_solid
@@ -309,7 +309,7 @@ contains
 
         call fields_of(solid, fields)
         gpu%n_state = fields%columns
-        gpu%column%owed = column_of_field(fields, 'owed')
+        gpu%column%control_due = column_of_field(fields, 'owed')
         if (loaded) gpu%column%load = column_of_field(fields, 'load') - 1
         if (allocated(solid%face_stress)) &
             gpu%column%face_stress = column_of_field(fields, 'face_stress') - 1

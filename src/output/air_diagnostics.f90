@@ -34,7 +34,7 @@ contains
             diagnostics%left(:, c) = air%left(c)%limb
         end do
         diagnostics%faces = air%fallback_faces
-        diagnostics%cells = air%held_cells
+        diagnostics%cells = air%limited_cells
     end function look_at_air
 
     !> Those of all processes; all must call.
@@ -62,7 +62,7 @@ contains
             air%left(c)%limb = diagnostics%left(:, c)
         end do
         air%fallback_faces = diagnostics%faces
-        air%held_cells = diagnostics%cells
+        air%limited_cells = diagnostics%cells
         call take_outflow(air)
     end subroutine keep_in_air
 

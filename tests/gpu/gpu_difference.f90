@@ -23,7 +23,7 @@ contains
         call fields_of(b, theirs)
         do k = 1, ours%n
             associate (field => ours%of(k))
-                ! what the hold owes is a small difference of energies
+                ! what the tensile control owes is a small difference of energies
                 if (.not. field%kept .or. field%rows == 0 .or. field%name == 'owed') cycle
                 p = numbers_of(field, a%n)
                 q = numbers_of(theirs%of(k), b%n)

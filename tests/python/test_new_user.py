@@ -65,7 +65,7 @@ UNITS = {
 IDLE = {
     "rest": (STEEL + f"&body id='a', {CUBE} /\n", "a.nml:1: warning: &run: nothing happens"),
     "still_air": (AIR, "nothing happens"),
-    "held_whole": (
+    "control_whole": (
         STEEL + f"&body id='a', {CUBE}, formulation='rigid', fix='all', velocity=0,0,9 /\n",
         "velocity and spin have no effect: fix='all' holds all of it",
     ),

@@ -31,7 +31,7 @@ def timoshenko(n, long, high, stiff):
 def test_beam_on_rollers_under_its_weight(tmp_path):
     """Plane strain, gravity from the start: deflection of the middle against the sum over modes."""
     half, high, spacing, pull = 0.05, 0.005, 1e-3, 1e4
-    at = half - spacing / 2  # of the particles that are held, a line in the middle layer
+    at = half - spacing / 2  # of the particles that are fixed, a line in the middle layer
     deck = f"""\
 &run t_end=1.0e-3, dimension=2, symmetry='x' /
 {STEEL}

@@ -3,7 +3,7 @@
 module clamped_plates
     use brz_errors, only: failed
     use brz_kinds, only: dp
-    use brz_particle_marks, only: is_held
+    use brz_particle_marks, only: is_fixed
     use brz_time_step, only: advance
     use scene_tools, only: deck_scene_t, open_scene
     use shared_steps, only: solid_totals, solid_totals_t
@@ -61,7 +61,7 @@ contains
         associate (solid => scene%sim%solid)
             away = sum(solid%x_ref**2, dim=1)
             middle = away < 1.000001_dp*minval(away)
-            held = findloc(solid%fixed, is_held, dim=1)
+            held = findloc(solid%fixed, is_fixed, dim=1)
             deflection = (solid%x(3, held) - solid%x_ref(3, held)) &
                          - sum(solid%x(3, :) - solid%x_ref(3, :), middle)/count(middle)
         end associate

@@ -23,7 +23,7 @@ module drawn_bodies
         real(dp) :: stress = 0 !! of its middle over that of its law
         real(dp) :: force = 0 !! at its end, from the work there, over that of its law
         real(dp) :: energy = 0 !! error of the total over the work
-        real(dp) :: hourglass = 0 !! energy that the hold has, over the work
+        real(dp) :: hourglass = 0 !! energy that the tensile control has, over the work
         logical :: ended = .false. !! the program stopped with an error
     end type rebar_t
 

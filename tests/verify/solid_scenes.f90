@@ -25,7 +25,7 @@ module solid_scenes
         real(dp) :: alpha = -1, beta = -1
         real(dp) :: zeta = -1 !! stiffness of the stiff hourglass force
         character(8) :: limiter = 'auto' !! of the viscosity
-        real(dp) :: hold = -1 !! stiffness of the hold over the tension
+        real(dp) :: hold = -1 !! stiffness of the tensile control over the tension
         real(dp) :: wide = 1 !! width of a particle along the body over that across it
     end type form_t
 
@@ -106,7 +106,7 @@ contains
             if (form%beta >= 0) case%bodies(b)%beta = form%beta
             if (form%zeta >= 0) case%bodies(b)%zeta = form%zeta
             case%bodies(b)%limiter = form%limiter
-            case%bodies(b)%tension_hold = form%hold
+            case%bodies(b)%tensile_control = form%hold
             case%bodies(b)%aspect(1) = form%wide
         end do
     end subroutine choose

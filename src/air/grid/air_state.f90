@@ -77,7 +77,7 @@ module brz_air_state
         !! du/dt of the stage (ghosts unused: all three alike, so that one index serves)
         integer(int64) :: fallback_faces = 0
         !! faces that fell back to first order, all stages of all steps
-        integer(int64) :: held_cells = 0
+        integer(int64) :: limited_cells = 0
         !! cells held because first order did not save them, all stages of all steps
         real(dp) :: outflow(5) = 0
         !! mass, momentum, energy that left through the outer faces, all steps

@@ -122,7 +122,7 @@ contains
         integer(int64), intent(out) :: faces, cells
         integer(int64) :: counts(2)
 
-        counts = [air%fallback_faces, air%held_cells]
+        counts = [air%fallback_faces, air%limited_cells]
         call sum_of_all(air%part%ranks, counts)
         faces = counts(1)
         cells = counts(2)

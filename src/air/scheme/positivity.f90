@@ -6,11 +6,11 @@ module brz_positivity
     implicit none
     private
     public :: floors_of, is_sound, is_kept, is_number, is_physical, stray, margin, vacuum
-    public :: lost_mark, new_mark, hold_step, most_holds, is_lowered, is_held
+    public :: lost_mark, new_mark, limit_step, most_holds, is_lowered, is_fixed
 
     integer, parameter :: lost_mark = 127 !! of a cell of which nothing can be saved
     integer, parameter :: new_mark = 7 !! of a cell found bad after the last pass that lowers faces
-    integer, parameter :: hold_step = 8 !! times the pass that held a cell, in its mark
+    integer, parameter :: limit_step = 8 !! times the pass that held a cell, in its mark
     integer, parameter :: most_holds = 14 !! passes that hold cells
     real(rk), parameter :: stray = 1e3_rk*epsilon(1.0_rk) !! allowed of a mass fraction beyond 0..1
     real(rk), parameter :: margin = 32*epsilon(1.0_rk)
@@ -101,7 +101,7 @@ contains
 
     !> True if a mark says that the faces of a cell are lowered: it was made in a pass up to this.
     !>
-    !> A mark is the number of the pass that lowered the faces of a cell, and hold_step times that
+    !> A mark is the number of the pass that lowered the faces of a cell, and limit_step times that
     !> of the pass that held it; so is the pass up to which marks count. What a pass marks is not
     !> seen in that pass, whatever the order of the threads.
     !@cuf attributes(host,device) &
@@ -110,16 +110,16 @@ contains
         integer, intent(in) :: mark !! of a cell; 0: none
         logical :: lowered
 
-        lowered = mod(mark, hold_step) >= 1 .and. mod(mark, hold_step) <= mod(pass, hold_step)
+        lowered = mod(mark, limit_step) >= 1 .and. mod(mark, limit_step) <= mod(pass, limit_step)
     end function is_lowered
 
     !> True if a mark says that a cell is held, in the same way.
     !@cuf attributes(host,device) &
-    pure function is_held(pass, mark) result(held)
+    pure function is_fixed(pass, mark) result(held)
         integer, intent(in) :: pass
         integer, intent(in) :: mark !! of a cell; 0: none
         logical :: held
 
-        held = mark/hold_step >= 1 .and. mark/hold_step <= pass/hold_step
-    end function is_held
+        held = mark/limit_step >= 1 .and. mark/limit_step <= pass/limit_step
+    end function is_fixed
 end module brz_positivity

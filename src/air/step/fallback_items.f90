@@ -13,7 +13,7 @@ module brz_fallback_items
     use brz_boundary_codes, only: bc_inside
     use brz_face_items, only: face_at
     use brz_kinds, only: int64, int8, rk
-    use brz_positivity, only: hold_step, is_held, is_kept, is_lowered, is_number, is_physical, &
+    use brz_positivity, only: limit_step, is_fixed, is_kept, is_lowered, is_number, is_physical, &
         is_sound, lost_mark, new_mark
     use brz_scheme, only: first_order, max_var, scheme_t
     implicit none
@@ -36,7 +36,7 @@ contains
         integer :: mark
 
         mark = bad(at)
-        found = is_lowered(pass, mark) .or. is_held(pass, mark)
+        found = is_lowered(pass, mark) .or. is_fixed(pass, mark)
     end function is_bad
 
     !> Place of the neighbour below (s = -1) or above (1) in direction d, across a periodic boundary
@@ -142,7 +142,7 @@ contains
                 this%reconstruction = first_order
             call face_at(d, grid, this, at + merge(-grid%step(d), 0, s == -1), &
                 index + merge(-1, 0, s == -1), u, solid, cell_of, wall_v, f, p_star, speed)
-            if (is_held(pass, mark(1)) .or. is_held(pass, mark(2))) then
+            if (is_fixed(pass, mark(1)) .or. is_fixed(pass, mark(2))) then
                 p_star = 0
                 do c = 1, max_var
                     f(c) = 0
@@ -206,11 +206,11 @@ contains
         if (task == to_redo) then
             if (is_sound(n_var, floors, old, euler)) return
             if (bad(at) /= 0) return
-            mark = merge(new_mark, pass + 1, pass >= hold_step)
+            mark = merge(new_mark, pass + 1, pass >= limit_step)
         else if (task == to_hold) then
             if (is_kept(floors, old, euler) .or. .not. is_number(euler)) return
-            if (bad(at) >= hold_step) return
-            mark = bad(at) + hold_step*(pass/hold_step + 1)
+            if (bad(at) >= limit_step) return
+            mark = bad(at) + limit_step*(pass/limit_step + 1)
         else
             if (is_physical(euler)) return
             mark = lost_mark
@@ -237,8 +237,8 @@ contains
         j = mod((t - 1)/grid%n(1), grid%n(2)) + 1
         k = (t - 1)/grid%n(1)/grid%n(2) + 1
         at = place_of(grid, i, j, k)
-        if (pass >= hold_step) then
-            if (bad(at) >= hold_step) number = number + 1
+        if (pass >= limit_step) then
+            if (bad(at) >= limit_step) number = number + 1
             return
         end if
         here = is_bad(pass, at, bad)

@@ -177,7 +177,7 @@ module brz_case
         real(dp) :: zeta = -1 !! stiffness of the hourglass force; negative: the usual one
         logical :: hourglass_axes = .true. !! plies: along the axes of the material
         real(dp) :: zeta_viscous = 0.05_dp !! viscous hourglass force ('corrected_hourglass')
-        real(dp) :: tension_hold = -1 !! of 'corrected_hourglass'; negative: the usual one
+        real(dp) :: tensile_control = -1 !! of 'corrected_hourglass'; negative: the usual one
         real(dp) :: aspect(3) = 1 !! width of a particle over `spacing` along each axis
         character(4) :: plate_axis = 'auto' !! normal of a plate; 'auto', 'none', 'x', 'y', 'z'
         real(dp) :: smoothing = 1.2_dp !! smoothing length over spacing

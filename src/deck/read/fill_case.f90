@@ -221,7 +221,7 @@ contains
             call get(group, 'variable_h', body%variable_h)
             call get(group, 'h_range', body%h_range)
             call get(group, 'zeta_viscous', body%zeta_viscous)
-            call get(group, 'tensile_control', body%tension_hold)
+            call get(group, 'tensile_control', body%tensile_control)
             call get(group, 'plate_axis', body%plate_axis)
             call get(group, 'smoothing', body%smoothing)
             call get(group, 'cfl', body%cfl)

@@ -6,7 +6,7 @@ module brz_body_start
     use brz_case, only: body_case_t, is_held_whole, label
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kinds, only: dp, rk
-    use brz_particle_marks, only: is_held
+    use brz_particle_marks, only: is_fixed
     use brz_solid_state, only: solid_t
     use brz_support, only: is_kept, kept_along
     use brz_text, only: to_text
@@ -86,12 +86,12 @@ contains
                 fixes(f) = .true.
                 here = .true.
             end do
-            if (here) solid%fixed(i) = is_held
+            if (here) solid%fixed(i) = is_fixed
             do f = 1, input%n_rollers
                 a = index('xyz', input%roller_axis(f))
                 if (.not. in_box(solid%x(:, i), input%roller_box(:, f), solid%dimension)) cycle
                 rolls(f) = .true.
-                if (solid%fixed(i) /= is_held) solid%fixed(i) = ior(solid%fixed(i), kept_along(a))
+                if (solid%fixed(i) /= is_fixed) solid%fixed(i) = ior(solid%fixed(i), kept_along(a))
             end do
             do a = 1, 3
                 if (is_kept(solid%fixed(i), a)) solid%v(a, i) = 0

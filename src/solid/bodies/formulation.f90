@@ -19,7 +19,8 @@ module brz_formulation
     public :: settle_formulation, fast
 
     real(dp), parameter :: fast = 1000 !! bodies that meet faster send strong shocks [m/s]
-    real(rk), parameter :: usual_hold = 3 !! an infinite lattice under tension is stable from 1.25
+    real(rk), parameter :: usual_control = 3 !! an infinite lattice under tension is stable from
+                                             !! 1.25
 
 contains
 
@@ -64,7 +65,7 @@ contains
         body%crack = real(crack_width(body%formulation, input%spacing), rk)
         call settle_artificial(input, body, err)
         call settle_stiffness(input, material, dimension, body)
-        call settle_hold(input, int(material%class), body, err)
+        call settle_control(input, int(material%class), body, err)
         if (body%formulation /= form_uncorrected .and. body%formulation /= form_rigid) &
             body%face_share = face_share(dimension, body%h/real(input%spacing, rk))
         body%variable = input%variable_h
@@ -95,22 +96,23 @@ contains
                       real(input%spacing, rk)/body%h, axis <= dimension, body%axes)
     end subroutine settle_stiffness
 
-    !> The hold, a stiff hourglass force in proportion to the tension: of what keeps together.
-    subroutine settle_hold(input, class, body, err)
+    !> The tensile control, a stiff hourglass force in proportion to the tension: of what keeps
+    !> together.
+    subroutine settle_control(input, class, body, err)
         type(body_case_t), intent(in) :: input
         integer, intent(in) :: class !! of the material
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
 
-        body%tension_hold = 0
+        body%tensile_control = 0
         if (body%formulation /= form_corrected_hourglass) then
-            if (input%tension_hold > 0) call refuse(input, 'tensile_control goes with '// &
+            if (input%tensile_control > 0) call refuse(input, 'tensile_control goes with '// &
                 "formulation='corrected_hourglass' alone; leave it out", err)
             return
         end if
-        if (class /= class_fluid) body%tension_hold = usual_hold
-        if (input%tension_hold >= 0) body%tension_hold = real(input%tension_hold, rk)
-    end subroutine settle_hold
+        if (class /= class_fluid) body%tensile_control = usual_control
+        if (input%tensile_control >= 0) body%tensile_control = real(input%tensile_control, rk)
+    end subroutine settle_control
 
     !> Formulation and viscosity where the deck gives none, by what a material does: it bends until
     !> it breaks, it flows (metals), or it crumbles. In metals at moderate speed the viscosity

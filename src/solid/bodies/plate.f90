@@ -62,7 +62,7 @@ contains
         logical :: bends
 
         along = 0
-        bends = body%tension_hold > 0 .or. body%formulation == form_total
+        bends = body%tensile_control > 0 .or. body%formulation == form_total
         a = index('xyz', trim(input%plate_axis))
         if (a > 0) then
             if (a > shape%dimension .or. .not. bends) then
@@ -73,7 +73,7 @@ contains
                 return
             end if
         else if (input%plate_axis == 'auto') then
-            if (body%tension_hold > 0 .and. speed <= fast) then
+            if (body%tensile_control > 0 .and. speed <= fast) then
                 a = thin_axis(input, shape)
                 along = bar_axis(input, shape)
             end if
@@ -99,7 +99,7 @@ contains
         type(error_t), intent(inout) :: err
         integer :: a
 
-        if (.not. body%tension_hold > 0) call raise(err, exit_deck, &
+        if (.not. body%tensile_control > 0) call raise(err, exit_deck, &
             label('body', input%id, input%place)//"lattice='layered' is for bodies in "// &
             "formulation='corrected_hourglass' with a tensile_control, whose faces have tilted "// &
             'gradients; leave it out')

@@ -14,7 +14,7 @@ module brz_cohesive_setup
     use brz_interaction_setup, only: find_rule
     use brz_kinds, only: dp, int32, real32
     use brz_material, only: material_t
-    use brz_particle_marks, only: is_held
+    use brz_particle_marks, only: is_fixed
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none
@@ -266,7 +266,7 @@ contains
             do k = 1, solid%n ! particles are in the order of their numbers
                 if (glue%row(k) == 0) cycle
                 of_node(glue%row(k)) = of_node(glue%row(k))/solid%mass(k)
-                if (solid%fixed(k) == is_held) of_node(glue%row(k)) = 0
+                if (solid%fixed(k) == is_fixed) of_node(glue%row(k)) = 0
             end do
             fastest = 0
             do p = 1, glue%n

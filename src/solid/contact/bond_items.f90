@@ -9,7 +9,7 @@ module brz_bond_items
     use brz_force_layout, only: at_drag, at_heat, at_stiff, n_terms
     use brz_formulation_names, only: form_bending, form_corrected_hourglass
     use brz_gradient, only: moment_terms, outer_terms
-    use brz_hold_layout, only: held_affine, held_stiffness, n_held
+    use brz_hold_layout, only: control_affine, control_stiffness, n_control
     use brz_interaction, only: law_bonded, law_shared, meeting_t
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, int64, real32, rk
@@ -113,8 +113,8 @@ contains
 
     !> Add the forces of the bonded partners of particle i (see pass 2).
     !@cuf attributes(host,device) &
-    pure subroutine pull_bonds(i, lay, ends, table, x, x_ref, v, mass, pair, k_axes, held, bond, &
-                               row, slice, count, list, f)
+    pure subroutine pull_bonds(i, lay, ends, table, x, x_ref, v, mass, pair, k_axes, control, &
+                               bond, row, slice, count, list, f)
         integer, intent(in) :: i
         type(link_layout_t), intent(in) :: lay
         integer(int32), intent(in) :: ends(*)
@@ -122,7 +122,7 @@ contains
         real(dp), intent(in) :: x(lay%wide, *), x_ref(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*), pair(n_pair, *)
         real(real32), intent(in) :: k_axes(6, *)
-        real(rk), intent(in) :: held(n_held, *)
+        real(rk), intent(in) :: control(n_control, *)
         integer(int32), intent(in) :: bond(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(inout) :: f(n_terms)
         real(dp) :: unloaded(3)
@@ -183,8 +183,8 @@ contains
                                k_axes(1, j), f)
             else if (table(a, b)%formulation == form_corrected_hourglass) then
                 call add_drag(w, r, dv, own, other, f)
-                if (lay%holds == 1) call hold_bond(share, w, s, r, dv, dx, held(1, i), &
-                                                   held(1, j), f)
+                if (lay%holds == 1) call control_bond(share, w, s, r, dv, dx, control(1, i), &
+                                                   control(1, j), f)
             end if
         end do
     end subroutine pull_bonds
@@ -283,28 +283,28 @@ contains
 
     !> Hold of a bonded pair.
     !@cuf attributes(host,device) &
-    pure subroutine hold_bond(share, y, s, r, dv, dx, own, other, f)
+    pure subroutine control_bond(share, y, s, r, dv, dx, own, other, f)
         real(rk), intent(in) :: share !! of the other particle
-        real(rk), intent(in) :: y, s(3), r(3), dv(3), dx(3), own(n_held), other(n_held)
+        real(rk), intent(in) :: y, s(3), r(3), dv(3), dx(3), own(n_control), other(n_control)
         real(rk), intent(inout) :: f(n_terms)
-        real(rk) :: theirs(n_held)
+        real(rk) :: theirs(n_control)
         integer :: t
 
-        do t = 1, n_held
+        do t = 1, n_control
             theirs(t) = other(t)
         end do
-        theirs(held_stiffness) = share*theirs(held_stiffness)
+        theirs(control_stiffness) = share*theirs(control_stiffness)
         do t = 1, 9
-            theirs(held_affine + t) = share*theirs(held_affine + t)
+            theirs(control_affine + t) = share*theirs(control_affine + t)
         end do
         call add_hold(y, s, r, dv, dx, own, theirs, f)
-    end subroutine hold_bond
+    end subroutine control_bond
 
     !> Add the forces of the bonded partners to `extra`, which pass 2 starts from.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine pull_links(k, linked, particles, lay, ends, table, x, x_ref, v, mass, pair, &
-                               k_axes, held, bond, row, slice, count, list, extra)
+                               k_axes, control, bond, row, slice, count, list, extra)
         integer, intent(in) :: k !! particles that have links
         integer(int32), intent(in) :: linked(*) !! they
         integer, intent(in) :: particles !! all
@@ -314,7 +314,7 @@ contains
         real(dp), intent(in) :: x(lay%wide, *), x_ref(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*), pair(n_pair, *)
         real(real32), intent(in) :: k_axes(6, *)
-        real(rk), intent(in) :: held(n_held, *)
+        real(rk), intent(in) :: control(n_control, *)
         integer(int32), intent(in) :: bond(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(inout) :: extra(particles, *)
         real(rk) :: f(n_terms)
@@ -324,7 +324,7 @@ contains
         do t = 1, n_terms
             f(t) = 0
         end do
-        call pull_bonds(i, lay, ends, table, x, x_ref, v, mass, pair, k_axes, held, bond, row, &
+        call pull_bonds(i, lay, ends, table, x, x_ref, v, mass, pair, k_axes, control, bond, row, &
                         slice, count, list, f)
         do t = 1, n_terms
             extra(i, t) = extra(i, t) + f(t)

@@ -83,22 +83,22 @@ contains
         end do
     end subroutine stay_pressed
 
-    !> What the hold owes to a particle that leaves becomes heat.
+    !> What the tensile control owes to a particle that leaves becomes heat.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine let_go(p, first, fixed, mass, owed, energy)
+    pure subroutine let_go(p, first, fixed, mass, control_due, energy)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer(int32), intent(in) :: fixed(*)
         real(rk), intent(in) :: mass(*) !! [kg]
-        real(rk), intent(inout) :: owed(*) !! [J]
+        real(rk), intent(inout) :: control_due(*) !! [J]
         real(rk), intent(inout) :: energy(*) !! [J/kg]
         integer :: i
 
         i = first - 1 + p
         if (fixed(i) /= is_leaving) return
-        energy(i) = energy(i) + owed(i)/mass(i)
-        owed(i) = 0
+        energy(i) = energy(i) + control_due(i)/mass(i)
+        control_due(i) = 0
     end subroutine let_go
 
     !> Take a particle that leaves out: it has no force from now on.

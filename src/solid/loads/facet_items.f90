@@ -5,7 +5,7 @@ module brz_facet_items
     use brz_face_stress, only: add_face_stress
     use brz_friedlander, only: friedlander_impulse
     use brz_kinds, only: dp, int32, int64, rk
-    use brz_particle_marks, only: is_gone, is_held
+    use brz_particle_marks, only: is_gone, is_fixed
     implicit none
     private
     public :: place_particle, own_carrier, mark_beside, begin_load, load_carrier, sum_load
@@ -209,7 +209,7 @@ contains
         integer :: d, i
 
         i = first - 1 + p
-        if (held == 1 .and. fixed(i) /= is_held) return
+        if (held == 1 .and. fixed(i) /= is_fixed) return
         arm(1) = x(1, i) - cx
         arm(2) = x(2, i) - cy
         arm(3) = x(3, i) - cz

@@ -6,7 +6,7 @@ module brz_motion_items
     use brz_kinds, only: dp, int32, rk
     use brz_move_level, only: level_of, lost_level
     use brz_pair_layout, only: n_pair, pair_spin, pair_volume
-    use brz_particle_marks, only: is_gone, is_held
+    use brz_particle_marks, only: is_gone, is_fixed
     use brz_rigid_pose, only: pose_t, spin_at
     use brz_support, only: driven_by, is_kept
     implicit none
@@ -35,7 +35,7 @@ contains
         integer :: at, d
 
         work = 0
-        if (fixed(i) == is_held .or. fixed(i) == is_gone) return
+        if (fixed(i) == is_fixed .or. fixed(i) == is_gone) return
         total = 0
         do d = 1, 3
             if (fixed(i) >= driven_by(1) .and. is_kept(fixed(i), d)) cycle

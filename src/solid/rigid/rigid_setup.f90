@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Mass, inertia and first motion of rigid bodies; prescribed motion of held particles.
+!> Mass, inertia and first motion of rigid bodies; prescribed motion of fixed particles.
 module brz_rigid_setup
     use brz_algebra, only: inverse3
     use brz_body, only: body_t
@@ -10,7 +10,7 @@ module brz_rigid_setup
     use brz_interaction, only: law_none
     use brz_kinds, only: dp, rk
     use brz_motion, only: velocity_of
-    use brz_particle_marks, only: is_held
+    use brz_particle_marks, only: is_fixed
     use brz_rigid, only: cross
     use brz_solid_state, only: solid_t
     implicit none
@@ -36,7 +36,7 @@ contains
         if (body%formulation == form_rigid) call make_rigid(input, on_plane, solid, body, err)
         if (body%motion%n == 0) return
         do i = body%first, body%last
-            if (body%formulation /= form_rigid .and. solid%fixed(i) /= is_held) cycle
+            if (body%formulation /= form_rigid .and. solid%fixed(i) /= is_fixed) cycle
             body%motion%mass = body%motion%mass + solid%mass(i)
             if (body%formulation /= form_rigid) &
                 solid%v(:, i) = real(velocity_of(body%motion, 0.0_dp), rk)

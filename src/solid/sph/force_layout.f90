@@ -10,6 +10,7 @@ module brz_force_layout
     integer, parameter :: at_friction = 5 !! heat of the viscous hourglass force [W]
     integer, parameter :: at_drag = 5 !! + 1..3: viscous forces [N]
     integer, parameter :: at_stiff = 8 !! + 1..3: stiff hourglass force, or artificial stress [N]
-    integer, parameter :: at_work = 12 !! work against the hold, half of it to each of a pair [W]
+    integer, parameter :: at_work = 12 !! work against the tensile control, half of it to each of a
+                                       !! pair [W]
     integer, parameter :: n_terms = 12
 end module brz_force_layout

@@ -17,7 +17,7 @@ module brz_pair_force
 
     ! a pair beyond these stretches, or below their inverse, is let go
     real(rk), parameter :: most_bent = 1.6_rk !! by what holds elastic bodies and plies together
-    real(rk), parameter :: most_drawn = 3 !! by the hold
+    real(rk), parameter :: most_drawn = 3 !! by the tensile control
 
 contains
 
@@ -110,7 +110,7 @@ contains
     !> Each particle's own stiffness goes with its own deformation F: with P = z F the force is
     !> y (P_i X_ij - z_i x_ij) and the same of j. With the corrected gradient,
     !> sum_j V_j F_ij (F_i X_ij - x_ij) (x) x_ij = 0: no torque. The stiffness is zeta G in elastic
-    !> bodies, or K of brz_tension_hold.
+    !> bodies, or K of brz_tensile_control.
     !@cuf attributes(host,device) &
     pure subroutine hourglass_stiff(most, y, z, pi, pj, x_ref, r, f)
         real(rk), intent(in) :: most !! stretch of a pair that is held, most_bent or most_drawn

@@ -5,7 +5,7 @@
 module brz_pair_rows
     use brz_body_numbers, only: body_numbers_t
     use brz_force_layout, only: at_drag, at_friction, at_stiff, at_work, n_terms
-    use brz_hold_layout, only: held_affine, held_stiffness, held_whole, n_held
+    use brz_hold_layout, only: control_affine, control_stiffness, control_whole, n_control
     use brz_kernel, only: kernel_shape
     use brz_kinds, only: real32, rk
     use brz_pair_force, only: hourglass_stiff, hourglass_viscous, most_drawn, stress_force
@@ -34,25 +34,25 @@ contains
         f(at_friction) = f(at_friction) + heat
     end subroutine add_drag
 
-    !> Add the hold, if either particle is drawn.
+    !> Add the tensile control, if either particle is drawn.
     !@cuf attributes(host,device) &
     pure subroutine add_hold(y, s, r, dv, dx, own, other, f)
         real(rk), intent(in) :: y !! see hourglass_stiff
         real(rk), intent(in) :: s(3) !! signs of the axes where the other is an image
         real(rk), intent(in) :: r(3), dv(3), dx(3) !! x_ij, v_ij, X_ij [m, m/s, m]
-        real(rk), intent(in) :: own(n_held), other(n_held) !! rows of `held`
+        real(rk), intent(in) :: own(n_control), other(n_control) !! rows of `control`
         real(rk), intent(inout) :: f(n_terms)
         real(rk) :: q(9), g(3), work
         integer :: t
 
-        if (.not. own(held_stiffness) + other(held_stiffness) > 0) return
+        if (.not. own(control_stiffness) + other(control_stiffness) > 0) return
         do t = 1, 9
-            q(t) = other(held_affine + t)
+            q(t) = other(control_affine + t)
         end do
         call mirror_tensor(s, q)
-        call hourglass_stiff(most_drawn, y*own(held_whole)*other(held_whole), &
-                             own(held_stiffness) + other(held_stiffness), own(held_affine + 1), q, &
-                             dx, r, g)
+        call hourglass_stiff(most_drawn, y*own(control_whole)*other(control_whole), &
+                             own(control_stiffness) + other(control_stiffness), &
+                             own(control_affine + 1), q, dx, r, g)
         work = dot_product(g, dv)
         do t = 1, 3
             f(at_stiff + t) = f(at_stiff + t) + g(t)

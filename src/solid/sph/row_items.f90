@@ -9,7 +9,8 @@ module brz_row_items
     use brz_formulation_names, only: artificial_none, form_bending, form_corrected_hourglass, &
         form_total
     use brz_gradient, only: piola, shear_limiter
-    use brz_hold_layout, only: held_affine, held_energy, held_stiffness, held_whole, n_held
+    use brz_hold_layout, only: control_affine, control_energy, control_stiffness, control_whole, &
+        n_control
     use brz_kinds, only: int32, real32, rk
     use brz_link_layout, only: n_press
     use brz_lone_layer, only: face_power
@@ -17,12 +18,12 @@ module brz_row_items
     use brz_pair_force, only: axial_stiffness
     use brz_pair_layout, only: n_pair, pair_affine, pair_keep, pair_linear, pair_quadratic, &
         pair_stress, pair_tilt, pair_volume, pair_zeta
-    use brz_tension_hold, only: hold_stiffness
+    use brz_tensile_control, only: stiffness_of_control
     implicit none
     private
-    public :: row_rules_t, rules_of, fill_row, stiffen_along, fill_hold, free_face, move_face
+    public :: row_rules_t, rules_of, fill_row, stiffen_along, fill_control, free_face, move_face
 
-    real(rk), parameter :: most_stretch = 1e6_rk !! no particle is drawn so far and held
+    real(rk), parameter :: most_stretch = 1e6_rk !! no particle is drawn so far and control
 
     !> What is the same for all particles of a body.
     type :: row_rules_t
@@ -98,13 +99,13 @@ contains
         call copy_matrix(q, row(pair_affine + 1))
     end subroutine fill_row
 
-    !> Deformation dx/dX from dX/dx of a particle that is held to the unloaded body, else nothing.
-    !> Debris with a single neighbour at the edge of its support has a dX/dx near zero, whose
-    !> inverse, squared, is no number in real32.
+    !> Deformation dx/dX from dX/dx of a particle that is control to the unloaded body, else
+    !> nothing. Debris with a single neighbour at the edge of its support has a dX/dx near zero,
+    !> whose inverse, squared, is no number in real32.
     !@cuf attributes(host,device) &
     pure subroutine deformation(a, limp, q)
         real(rk), intent(in) :: a(3, 3)
-        integer, intent(inout) :: limp !! 1: not held, or not any more
+        integer, intent(inout) :: limp !! 1: not control, or not any more
         real(rk), intent(inout) :: q(3, 3)
         logical :: ok
         integer :: c, j
@@ -147,28 +148,28 @@ contains
         call copy_matrix(g, row(pair_affine + 1))
     end subroutine stiffen_along
 
-    !> The hold of a particle whose F is in its slots: nothing where it was not in tension or has
-    !> lost its support, where `trace` is 0.
+    !> The tensile control of a particle whose F is in its slots: nothing where it was not in
+    !> tension or has lost its support, where `trace` is 0.
     !@cuf attributes(host,device) &
-    pure subroutine fill_hold(tension_hold, stress, mu, q, trace, volume, limp, held)
-        real(rk), intent(in) :: tension_hold, stress(6) !! [-], [Pa]
+    pure subroutine fill_control(tensile_control, stress, mu, q, trace, volume, limp, control)
+        real(rk), intent(in) :: tensile_control, stress(6) !! [-], [Pa]
         real(rk), intent(in) :: mu !! compression, 0 of a material of springs
-        real(rk), intent(in) :: q, trace !! see deviation of brz_tension_hold
+        real(rk), intent(in) :: q, trace !! see deviation of brz_tensile_control
         real(rk), intent(in) :: volume !! [m3]
         integer, intent(in) :: limp
-        real(rk), intent(inout) :: held(n_held)
+        real(rk), intent(inout) :: control(n_control)
         real(rk) :: k
         integer :: c
 
         k = 0
-        if (trace > 0) k = hold_stiffness(tension_hold, stress, mu, q/trace)
-        held(held_stiffness) = k
+        if (trace > 0) k = stiffness_of_control(tensile_control, stress, mu, q/trace)
+        control(control_stiffness) = k
         do c = 1, 9
-            held(held_affine + c) = k*held(held_affine + c)
+            control(control_affine + c) = k*control(control_affine + c)
         end do
-        held(held_energy) = volume*k*q/2
-        held(held_whole) = 1 - limp
-    end subroutine fill_hold
+        control(control_energy) = volume*k*q/2
+        control(control_whole) = 1 - limp
+    end subroutine fill_control
 
     !> Take out of the energy what the stress does on the faces of a single layer.
     !@item

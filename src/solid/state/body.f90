@@ -45,7 +45,7 @@ module brz_body
         real(dp) :: drift(3) = 0, drift_velocity(3) = 0 !! [m], [m/s]
         type(kept_cells_t) :: cells !! of its list
         real(dp) :: dt_limit = 0 !! largest stable time step times the CFL number [s]
-        real(dp) :: reaction(3) = 0 !! impulse that the held particles took up so far [N s]
+        real(dp) :: reaction(3) = 0 !! impulse that the fixed particles took up so far [N s]
         real(dp) :: impulse(3) = 0 !! of the load so far, where a gauge asks for it [N s]
         type(energy_account_t) :: account
         type(rigid_t) :: rigid !! of a rigid body

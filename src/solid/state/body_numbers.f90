@@ -19,7 +19,8 @@ module brz_body_numbers
         real(rk) :: crack = 0 !! width of a smeared crack, over which a fracture energy is spent [m]
         real(rk) :: alpha = 1, beta = 2 !! of the viscosity
         real(rk) :: cfl = 0.4_rk
-        real(rk) :: tension_hold = 0 !! stiffness of the hold over the tension, 0: no hold
+        real(rk) :: tensile_control = 0 !! stiffness of the tensile control over the tension, 0: no
+                                        !! tensile control
         real(rk) :: artificial_power = 0
         real(rk) :: shape_at_spacing = 1 !! W(dx)/W(0)
         real(rk) :: at_rest = 2 !! sum of the squares of the two smaller parts of `stretch`

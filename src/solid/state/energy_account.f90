@@ -9,7 +9,8 @@ module brz_energy_account
     !> What one body has done with its energy so far, all in J.
     type :: energy_account_t
         real(dp) :: viscous = 0 !! heat by artificial viscosity
-        real(dp) :: hourglass_heat = 0 !! heat by the viscous hourglass force and by the hold
+        real(dp) :: hourglass_heat = 0 !! heat by the viscous hourglass force and by the tensile
+                                       !! control
         real(dp) :: hourglass = 0 !! energy held by (or fed to) the stiff hourglass force
         real(dp) :: artificial = 0 !! energy held by the artificial stress
         real(dp) :: ahead = 0 !! change of one of these two in the half step to come

@@ -2,7 +2,7 @@
 !> Forces on a whole body, its momentum and its totals, summed over its particles.
 module brz_force_items
     use brz_kinds, only: dp, int32, rk
-    use brz_particle_marks, only: is_gone, is_held
+    use brz_particle_marks, only: is_gone, is_fixed
     use brz_support, only: is_driven, is_kept
     implicit none
     private
@@ -46,7 +46,7 @@ contains
             if (gripped == 1) g(d) = grip(at)
             f = g(d)
             if (is_kept(fixed(i), d)) f = f - push
-            if (fixed(i) /= is_held) f = f + mass(i)*real(accel(at), dp)
+            if (fixed(i) /= is_fixed) f = f + mass(i)*real(accel(at), dp)
             total(d) = total(d) + g(d)
             total(6 + d) = total(6 + d) + push
             total(9 + d) = total(9 + d) + f

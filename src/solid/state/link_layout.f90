@@ -16,7 +16,7 @@ module brz_link_layout
     !> What the loops over links are told about the bodies and about how arrays lie.
     type :: link_layout_t
         integer :: bodies, dimension
-        integer :: holds !! 1: some body has the hold
+        integer :: holds !! 1: some body has the tensile control
         integer :: wide !! rows of positions and velocities
         integer :: step_c, step_p !! distances in `stress` of components, of particles
         integer :: step_f !! distance of particles in `face`; its numbers are step_c apart

@@ -19,7 +19,7 @@ module brz_rigid_body
         real(dp) :: p(3) = 0, l(3) = 0 !! momentum, angular momentum about x, half a step before
         real(dp) :: force(3) = 0, torque(3) = 0 !! of contact, at the step
         real(dp) :: load(6) = 0 !! force and torque of the air over its step, of another body
-                                !! that is driven the force on its held particles [N, N m]
+                                !! that is driven the force on its fixed particles [N, N m]
         real(dp) :: omega(3) = 0 !! angular velocity at the step [1/s]
         real(dp) :: spin(3) = 0 !! angular velocity half a step before [1/s]
         real(dp) :: moves(3) = 1, turns(3) = 1 !! 0: component is kept at zero

@@ -80,8 +80,8 @@ contains
             allocate (links%box(3, 2, size(solid%bodies)), source=0.0_dp)
             links%ends = solid%bodies%last
             links%lay = link_layout_t(size(solid%bodies), solid%dimension, &
-                                      merge(1, 0, allocated(solid%held)), 3, 1, 6, n_face, 1, 1, &
-                                      1, link_unit, real(solid%depth, rk))
+                                      merge(1, 0, allocated(solid%control)), 3, 1, 6, n_face, 1, &
+                                      1, 1, link_unit, real(solid%depth, rk))
             links%slice = 0
             links%count = 0
             links%row = 0

@@ -34,7 +34,7 @@ module brz_solid_device
         integer :: room = 0 !! places for both
         logical :: total = .false. !! total-Lagrangian
         logical :: rigid = .false.
-        logical :: drawn = .false. !! has the hold
+        logical :: drawn = .false. !! has the tensile control
         logical :: layer = .false. !! a single layer, see brz_lone_layer
         real(rk) :: reach = 0 !! of faces in contact, see strain_face [m]
         real(rk) :: density = 0 !! unloaded [kg/m3]
@@ -75,7 +75,7 @@ module brz_solid_device
     !> Columns of `state` that not every scene has, 0: none.
     type :: columns_t
         integer :: grip = 0 !! + 1..3: force on what holds a particle [N]
-        integer :: owed = 0 !! energy that the hold owes [J]
+        integer :: owed = 0 !! energy that the tensile control owes [J]
         integer :: load = 0 !! + 1..3: force of the air, or of the loads [N]
         integer :: face_stress = 0 !! + 1..6: stress of the load on its faces [Pa]
         integer :: before = 0 !! + 1..3: velocity a step of the air before [m/s]

@@ -6,7 +6,7 @@ module brz_solid_fields
     use brz_bond_marks, only: bond_none
     use brz_face_layout, only: face_edge, n_face
     use brz_formulation_names, only: form_total
-    use brz_hold_layout, only: n_held
+    use brz_hold_layout, only: n_control
     use brz_kinds, only: int16, int32, int64, int8, real32, real64, rk
     use brz_pair_layout, only: n_pair
     use brz_resize, only: resize
@@ -101,11 +101,11 @@ contains
     subroutine walk(s, t)
         type(solid_t), intent(inout), target :: s
         type(fields_t), intent(inout) :: t
-        logical :: tilted, held, linked
+        logical :: tilted, control, linked
         integer :: b
 
         linked = s%links%present
-        held = any(s%bodies%tension_hold > 0)
+        control = any(s%bodies%tensile_control > 0)
         tilted = any([(any(s%bodies(b)%normal > 0), b=1, size(s%bodies))])
         t%particles = s%n
         t%columns = at_hist + s%n_hist
@@ -137,7 +137,7 @@ contains
         call see(t, 'bond', s%links%bond, linked, in_tag, tag_bond)
         call see(t, 'joined', s%links%joined, .false., in_tag, tag_joined, derived=.true.)
         call see(t, 'contact_face', s%links%face, n_face, linked, in_tag, tag_face)
-        call see(t, 'owed', s%owed, held, in_state, next)
+        call see(t, 'owed', s%control_due, control, in_state, next)
         call see(t, 'load', s%load, 3, .false., in_state, next)
         if (allocated(s%loads%of)) then ! each step finds it anew
             call see(t, 'face_stress', s%face_stress, 6, .false., in_state, next, derived=.true.)
@@ -148,7 +148,7 @@ contains
         call see(t, 'grip', s%grip, 3, .false., in_state, next, derived=.true.)
         call see(t, 'pair', s%pair, n_pair, .true., nowhere, 0, derived=.true.)
         call see(t, 'k_axes', s%k_axes, 6, any(s%bodies%directional), nowhere, 0, derived=.true.)
-        call see(t, 'held', s%held, n_held, held, nowhere, 0, derived=.true.)
+        call see(t, 'held', s%control, n_control, control, nowhere, 0, derived=.true.)
     end subroutine walk
 
     !> True where a field is to be allocated.

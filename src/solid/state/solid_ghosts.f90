@@ -6,7 +6,7 @@
 !> the particles of its body, and is never computed: what others need of it comes by message.
 module brz_solid_ghosts
     use, intrinsic :: iso_c_binding, only: c_loc
-    use brz_hold_layout, only: held_stiffness
+    use brz_hold_layout, only: control_stiffness
     use brz_kinds, only: rk
     use brz_link_layout, only: n_press
     use brz_mail, only: mail_t
@@ -57,11 +57,11 @@ contains
 
         if (.not. several(solid%ranks)) return
         call refresh(solid, merge(of_linked_rows, of_rows, solid%links%present))
-        if (.not. allocated(solid%held)) return
+        if (.not. allocated(solid%control)) return
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
-                if (.not. body%tension_hold > 0) cycle ! what lies in its rows means nothing
-                body%drawn = body%drawn .or. any(solid%held(held_stiffness, &
+                if (.not. body%tensile_control > 0) cycle ! what lies in its rows means nothing
+                body%drawn = body%drawn .or. any(solid%control(control_stiffness, &
                                                             body%last + 1:body%rim) > 0)
             end associate
         end do

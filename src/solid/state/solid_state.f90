@@ -77,12 +77,14 @@ module brz_solid_state
                                              !! plies and plates, see brz_tilted_arm; only where
                                              !! a body has a normal [1/m]
         real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
-        real(rk), allocatable :: held(:, :) !! (n_held, n) the hold, where a body has it; by pass 1
-        real(rk), allocatable :: owed(:) !! (n) where `held` is: energy of the hold, and its work
+        real(rk), allocatable :: control(:, :) !! (n_control, n) the tensile control, where a body
+                                               !! has it; by pass 1
+        real(rk), allocatable :: control_due(:) !! (n) where `held` is: energy of the tensile
+                                                !! control, and its work
                                          !! in the half step to come; the rest became heat [J]
         integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
         integer(int16), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
-        integer(int32), allocatable :: fixed(:) !! (n) is_free, is_held, is_gone, or marks of
+        integer(int32), allocatable :: fixed(:) !! (n) is_free, is_fixed, is_gone, or marks of
                                                 !! brz_support
         integer(int8), allocatable :: limp(:) !! (n) 1: hourglass support lost for good
         integer(int16), allocatable :: support(:) !! (n) neighbours in the unloaded body

@@ -2,10 +2,10 @@
 !> Supports: in which directions a particle is held (single-point constraints).
 module brz_support
     use brz_kinds, only: int32, rk
-    use brz_particle_marks, only: is_held
+    use brz_particle_marks, only: is_fixed
     implicit none
     private
-    public :: held_share, is_kept, kept_along, driven_by, is_driven
+    public :: fixed_share, is_kept, kept_along, driven_by, is_driven
 
 contains
 
@@ -16,11 +16,11 @@ contains
         integer, intent(in) :: d
         logical :: yes
 
-        yes = fixed == is_held .or. iand(fixed, kept_along(d)) /= 0
+        yes = fixed == is_fixed .or. iand(fixed, kept_along(d)) /= 0
     end function is_kept
 
     !> For each direction 1 where a particle is held, else 0.
-    pure function held_share(fixed) result(held)
+    pure function fixed_share(fixed) result(held)
         integer(int32), intent(in) :: fixed
         real(rk) :: held(3)
         integer :: d
@@ -28,7 +28,7 @@ contains
         do d = 1, 3
             held(d) = merge(1, 0, is_kept(fixed, d))
         end do
-    end function held_share
+    end function fixed_share
 
     !> The mark of a particle that is held along axis d alone; marks add up.
     !@cuf attributes(host,device) &
@@ -56,6 +56,6 @@ contains
         logical :: yes
 
         yes = fixed/driven_by(1) == m
-        if (m == 0) yes = fixed == is_held
+        if (m == 0) yes = fixed == is_fixed
     end function is_driven
 end module brz_support

@@ -19,7 +19,7 @@ module brz_check
     use brz_gauges, only: gauges_t, set_up_gauges
     use brz_kinds, only: dp, real32, rk
     use brz_material_report, only: material_report
-    use brz_particle_marks, only: is_held
+    use brz_particle_marks, only: is_fixed
     use brz_print_early, only: is_too_early
     use brz_run_ranks, only: print_ranks, print_regions
     use brz_scene_size, only: count_text, memory_text, scene_size_t
@@ -27,7 +27,7 @@ module brz_check
     use brz_simulation, only: simulation_t
     use brz_solid_arrays, only: bytes_per_particle
     use brz_solid_state, only: solid_t
-    use brz_tension_hold, only: kappa_of
+    use brz_tensile_control, only: kappa_of
     use brz_solid_start, only: solid_time_step
     use brz_text, only: to_text
     use brz_time_step, only: choose_time_step
@@ -233,7 +233,7 @@ contains
                     sum(real(solid%mass(body%first:body%last), dp)), ' kg, volume scaled by ', &
                     body%volume_scale
                 call print_settings(sim%case, solid, b)
-                held = count(solid%fixed(body%first:body%last) == is_held)
+                held = count(solid%fixed(body%first:body%last) == is_fixed)
                 if (held > 0) call print_more(to_text(held)//' particles are fixed')
                 call print_more(crack_report(body, solid%materials(body%material)))
             end associate
@@ -317,15 +317,16 @@ contains
             else if (case%bodies(b)%formulation == 'auto') then
                 text = trim(auto(solid%materials(body%material)%class))
             end if
-            if (body%tension_hold > 0) &
-                text = text//', tensile control '//to_text(real(body%tension_hold, real32))
-            if (body%tension_hold > 0 .and. body%lift > 0) text = text//' (free faces '// &
-                to_text(real(kappa_of(body%tension_hold, body%lift, 1.0_rk), real32))//')'
+            if (body%tensile_control > 0) &
+                text = text//', tensile control '//to_text(real(body%tensile_control, real32))
+            if (body%tensile_control > 0 .and. body%lift > 0) text = text//' (free faces '// &
+                to_text(real(kappa_of(body%tensile_control, body%lift, 1.0_rk), real32))//')'
             if (body%curved) text = text//', a wall round '//axis_names(minloc(body%normal, dim=1))
             if (body%formulation /= form_bending .and. count(body%normal > 0) == 1) &
                 text = text//', a plate across '//axis_names(maxloc(body%normal, dim=1))
-            if (body%tension_hold > 0 .and. count(body%normal > 0) == 2 .and. .not. body%curved) &
-                text = text//', a bar along '//axis_names(minloc(body%normal, dim=1))
+            if (body%tensile_control > 0 .and. count(body%normal > 0) == 2 .and. &
+                .not. body%curved) text = text//', a bar along '//axis_names(minloc(body%normal, &
+                dim=1))
             if (body%formulation == form_total) &
                 text = text//', time step in proportion to its compression'
         end associate

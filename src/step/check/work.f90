@@ -19,7 +19,7 @@ module brz_work
     real(dp), parameter :: of_cell = 3.5e-7_dp, of_wall_cell = 1.5e-7_dp
     real(dp), parameter :: of_rigid = 5e-8_dp, of_plain = 7e-7_dp, of_hourglass = 1.15e-6_dp
     real(dp), parameter :: of_bending = 1.0e-6_dp, of_total = 9.5e-7_dp
-    real(dp), parameter :: of_ply = 5e-7_dp, of_cracks = 3e-7_dp, of_hold = 3e-7_dp
+    real(dp), parameter :: of_ply = 5e-7_dp, of_cracks = 3e-7_dp, of_control = 3e-7_dp
     real(dp), parameter :: of_dimension(3) = [0.3_dp, 0.5_dp, 1.0_dp]
     ! Steps of one GPU [1/s]: an H200 in real64
     real(dp), parameter :: gpu_cells = 2e9_dp, gpu_particles = 1.1e8_dp
@@ -89,7 +89,7 @@ contains
         case default
             cost = of_hourglass
         end select
-        if (body%tension_hold > 0) cost = cost + of_hold
+        if (body%tensile_control > 0) cost = cost + of_control
         if (any(material%axial > 0)) then
             cost = cost + of_ply
         else if (material%crack > 0) then

@@ -30,7 +30,7 @@ module brz_outputs
     use brz_simulation, only: simulation_t
     use brz_solid_start, only: resume_solid
     use brz_text, only: to_text
-    use brz_watch, only: watch_held, watch_region
+    use brz_watch, only: watch_limited, watch_region
     implicit none
     private
     public :: outputs_t, open_outputs, write_due, report, save_checkpoint, close_outputs
@@ -277,7 +277,7 @@ contains
         call agree(sim%ranks, err)
         if (failed(err)) return
         call watch_region(sim, audit%outside, outputs%outside, err)
-        call watch_held(sim, audit%held_cells, outputs%held)
+        call watch_limited(sim, audit%limited_cells, outputs%held)
         if (.not. (is_balanced(audit) .or. sim%coupling%paper)) call raise(err, exit_numerical, &
             'mass or momentum of the air is lost at t = '//to_text(sim%clock%time)// &
             ' s: errors '//to_text(audit%mass_error)//' and '//to_text(audit%momentum_error)// &

@@ -49,8 +49,8 @@ contains
             write (output_unit, '(a, es10.2)') 'mass error     ', audit%mass_error
             write (output_unit, '(a, es10.2)') 'momentum error ', audit%momentum_error
             write (output_unit, '(a, i0)') 'fallback faces  ', nint(audit%fallback_faces, int64)
-            if (audit%held_cells > 0) write (output_unit, '(a, i0)') 'limited cells   ', &
-                nint(audit%held_cells, int64)
+            if (audit%limited_cells > 0) write (output_unit, '(a, i0)') 'limited cells   ', &
+                nint(audit%limited_cells, int64)
         end if
         call print_clamped(sim)
         call print_interfaces(sim)

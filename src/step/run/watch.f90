@@ -9,7 +9,7 @@ module brz_watch
     use brz_text, only: to_text
     implicit none
     private
-    public :: watch_region, watch_held
+    public :: watch_region, watch_limited
 
 contains
 
@@ -42,7 +42,7 @@ contains
     end subroutine watch_region
 
     !> Cells of gas that even fluxes of first order would have emptied: told once.
-    subroutine watch_held(sim, cells, told)
+    subroutine watch_limited(sim, cells, told)
         type(simulation_t), intent(in) :: sim
         real(dp), intent(in) :: cells !! held so far
         logical, intent(inout) :: told
@@ -53,5 +53,5 @@ contains
             to_text(nint(cells))//' cells of gas were limited for a stage, as no flux would '// &
             'have left density and pressure positive (limited_cells[-] in energy.csv); nothing '// &
             'is lost, but the gas is coarse there: a smaller cfl may help'
-    end subroutine watch_held
+    end subroutine watch_limited
 end module brz_watch

@@ -86,7 +86,7 @@ module brz_conservation_audit
                                  !! [kg]
         real(dp) :: products_out = 0 !! what of it left through the outer faces so far [kg]
         real(dp) :: fallback_faces = 0 !! faces that fell back to first order so far
-        real(dp) :: held_cells = 0 !! cells of gas that were held so far
+        real(dp) :: limited_cells = 0 !! cells of gas that were held so far
         !> that errors are measured against
         real(dp) :: energy_scale = 0, momentum_scale = 0, coupling_scale = 0
         real(dp) :: energy_error = 0, mass_error = 0, momentum_error = 0 !! relative
@@ -131,7 +131,7 @@ contains
             call outflow_of_all(air, audit%outflow, audit%products_out)
             call counts_of_all(air, faces, cells)
             audit%fallback_faces = real(faces, dp)
-            audit%held_cells = real(cells, dp)
+            audit%limited_cells = real(cells, dp)
             audit%available = available_energy(air, audit)
         end if
         if (solid%present) call gather_solid(backend, solid, audit, mass, err)
@@ -308,7 +308,7 @@ contains
                       audit%mass_error, audit%momentum_error, audit%fallback_faces, &
                       audit%products, audit%products_out]
         row(29:36) = [audit%contact, audit%drive, audit%outside, audit%removed, &
-                      audit%held_cells]
+                      audit%limited_cells]
         row(37:50) = [audit%kept(1:4), audit%gas(2:4), audit%outflow(2:4), &
                       audit%momentum_scale, audit%reference_work, audit%energy_scale, &
                       audit%coupling_error]

@@ -1,23 +1,24 @@
 ! SPDX-License-Identifier: MIT
-!> Tensile-instability control, called the hold: hourglass control in tension by a stiff force in
-!> proportion to the tension.
+!> Tensile-instability control, called the tensile control: hourglass control in tension by a stiff
+!> force in proportion to the tension.
 !>
 !> Sums over present positions have a negative stiffness for waves of two spacings in matter under
 !> tension: 1.25 times the largest principal tension in an infinite lattice. A stiffness
 !> K = kappa s, s that tension, towards the affine image of the unloaded body outweighs it, and
 !> where there is no tension there is none. Faces with a lift (brz_tilted_arm) have a negative
-!> stiffness of some 2.2 times it, and more of the hold. It lets go of matter that has expanded
-!> (spalled) and of neighbourhoods that the unloaded body no longer describes. Point physics.
+!> stiffness of some 2.2 times it, and more of the tensile control. It lets go of matter that has
+!> expanded (spalled) and of neighbourhoods that the unloaded body no longer describes. Point
+!> physics.
 !>
 !> Source: docs/solid.md section 4
-module brz_tension_hold
+module brz_tensile_control
     use brz_kinds, only: rk
     implicit none
     private
-    public :: largest_tension, may_be_drawn, deviation, hold_stiffness, kappa_of, kept_work
+    public :: largest_tension, may_be_drawn, deviation, stiffness_of_control, kappa_of, kept_work
 
     real(rk), parameter :: open = 0.05_rk !! expansion to which all is held; gone at twice that
-    real(rk), parameter :: more_lifted = 2 !! of the hold at faces with a lift
+    real(rk), parameter :: more_lifted = 2 !! of the tensile control at faces with a lift
     real(rk), parameter :: strange = 0.5_rk !! deviation, likewise
 
 contains
@@ -33,8 +34,8 @@ contains
                  + 3*(t(4)*t(4) + t(5)*t(5) + t(6)*t(6)))
     end subroutine mean_and_mises
 
-    !> False where no principal stress can be a tension. Sums that only the hold needs are made for
-    !> particles that may be drawn before a step.
+    !> False where no principal stress can be a tension. Sums that only the tensile control needs
+    !> are made for particles that may be drawn before a step.
     !@cuf attributes(host,device) &
     pure function may_be_drawn(t) result(yes)
         real(rk), intent(in) :: t(6) !! see mean_and_mises
@@ -89,7 +90,7 @@ contains
         q = max(q, 0.0_rk)
     end function deviation
 
-    !> Stiffness of the hold of a particle over the tension.
+    !> Stiffness of the tensile control of a particle over the tension.
     !@cuf attributes(host,device) &
     pure function kappa_of(kappa, lift, tilt) result(k)
         real(rk), intent(in) :: kappa !! of the body
@@ -100,9 +101,9 @@ contains
         if (lift*abs(tilt) > 0) k = more_lifted*kappa
     end function kappa_of
 
-    !> Stiffness K of the hold.
+    !> Stiffness K of the tensile control.
     !@cuf attributes(host,device) &
-    pure function hold_stiffness(kappa, stress, mu, share) result(k)
+    pure function stiffness_of_control(kappa, stress, mu, share) result(k)
         real(rk), intent(in) :: kappa !! over the largest principal tension
         real(rk), intent(in) :: stress(6) !! see mean_and_mises
         real(rk), intent(in) :: mu !! compression; 0 for what springs back from any expansion
@@ -111,14 +112,15 @@ contains
 
         k = kappa*largest_tension(stress)*faded(-mu/open)*faded(sqrt(share)/strange)
         if (.not. k <= huge(k)) k = 0
-    end function hold_stiffness
+    end function stiffness_of_control
 
-    !> What the hold keeps of the work against it; the rest is heat. Its stiffness follows the
-    !> tension, so that it can do more work than it took: then it keeps less than nothing, as heat
-    !> below none would cool the particle, raise its tension, and with that the stiffness.
+    !> What the tensile control keeps of the work against it; the rest is heat. Its stiffness
+    !> follows the tension, so that it can do more work than it took: then it keeps less than
+    !> nothing, as heat below none would cool the particle, raise its tension, and with that the
+    !> stiffness.
     !@cuf attributes(host,device) &
     pure function kept_work(work, energy) result(kept)
-        real(rk), intent(in) :: work !! against the hold, less what became heat [J]
+        real(rk), intent(in) :: work !! against the tensile control, less what became heat [J]
         real(rk), intent(in) :: energy !! U = V K q/2, which it can hold [J]
         real(rk) :: kept !! [J]
 
@@ -133,4 +135,4 @@ contains
 
         left = max(0.0_rk, min(1.0_rk, 2 - x))
     end function faded
-end module brz_tension_hold
+end module brz_tensile_control
