@@ -24,7 +24,7 @@ module brz_solid_forces
     use brz_support, only: fixed_share
     use brz_tensile_control, only: kept_work
     use brz_threads, only: worth_threads
-    use brz_tilted_arm, only: mirrored_tilt
+    use brz_one_sided_arm, only: mirrored_tilt
     implicit none
     private
     public :: force_pass, update_sizes

@@ -11,7 +11,7 @@ module brz_solid_gradient_sums
     use brz_moment_layout, only: at_f, at_g, at_s, at_x, at_y, n_sums
     use brz_particle_groups, only: lanes
     use brz_solid_lanes, only: body_kernel, lane_group_t, lane_kernel_t, pair_kernels
-    use brz_tilted_arm, only: lifted_arm, ply_arm, tilted_arm
+    use brz_one_sided_arm, only: curved_arm, ply_arm, one_sided_arm
     implicit none
     private
     public :: add_neighbours

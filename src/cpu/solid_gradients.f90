@@ -34,7 +34,7 @@ module brz_solid_gradients
     use brz_solid_state, only: solid_t
     use brz_tensile_control, only: deviation, kappa_of, may_be_drawn
     use brz_threads, only: worth_threads
-    use brz_tilted_arm, only: tilted_correction
+    use brz_one_sided_arm, only: tilted_correction
     implicit none
     private
     public :: gradient_pass

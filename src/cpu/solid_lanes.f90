@@ -17,7 +17,7 @@ module brz_solid_lanes
     use brz_solid_arrays, only: group_of
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: solid_t
-    use brz_tilted_arm, only: radial_normal
+    use brz_one_sided_arm, only: radial_normal
     implicit none
     private
     public :: centre_t, lane_group_t, place_body, place_group
@@ -33,7 +33,7 @@ module brz_solid_lanes
         integer :: i = 0 !! particle; of a group the first
         real(rk) :: scale = 0, half_over_h = 0 !! see brz_kernel
         real(rk) :: h = 0 !! smoothing length [m]
-        real(rk) :: normal(3) = 0 !! of the layers, see brz_tilted_arm; 0: no tilts
+        real(rk) :: normal(3) = 0 !! of the layers, see brz_one_sided_arm; 0: no tilts
         real(rk) :: lift = 0 !! over the tilt, likewise
         logical :: curved = .false. !! that of a particle is radial, see brz_body
         real(dp) :: middle(3) = 0 !! on the axis of such a wall [m]

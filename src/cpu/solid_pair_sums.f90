@@ -16,7 +16,7 @@ module brz_solid_pair_sums
         pair_stress, pair_tilt, pair_volume, pair_zeta
     use brz_particle_groups, only: lanes
     use brz_solid_lanes, only: body_kernel, lane_group_t, lane_kernel_t, pair_kernels
-    use brz_tilted_arm, only: lifted_arm, ply_arm, radial_normal, tilted_arm, tilted_force
+    use brz_one_sided_arm, only: curved_arm, ply_arm, radial_normal, one_sided_arm, tilted_force
     implicit none
     private
     public :: add_pairs
@@ -176,7 +176,7 @@ contains
 
     !> Force of the stresses of a pair in a wall round an axis, along its arms.
     pure subroutine pull_in_wall(lift, n, n_j, own, other, r, dx, w, g)
-        real(rk), intent(in) :: lift, n(3), n_j(3) !! see tilted_arm; normals of both
+        real(rk), intent(in) :: lift, n(3), n_j(3) !! see one_sided_arm; normals of both
         real(rk), intent(in) :: own(n_pair), other(n_pair), r(3), dx(3), w
         real(rk), intent(out) :: g(3)
         real(rk) :: arm(3), arm_j(3)

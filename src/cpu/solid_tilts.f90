@@ -11,7 +11,7 @@ module brz_solid_tilts
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: solid_t
     use brz_threads, only: worth_threads
-    use brz_tilted_arm, only: pack_tilt, radial_normal
+    use brz_one_sided_arm, only: pack_tilt, radial_normal
     implicit none
     private
     public :: find_tilts

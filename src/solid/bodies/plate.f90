@@ -3,7 +3,7 @@
 !>
 !> Sums of thin bodies miss the bending stiffness of each layer about its own middle, 1/n^2 of that
 !> of n layers, and the outermost layers see the strain of a place a quarter of a spacing deeper.
-!> With tilted gradients (brz_tilted_arm) they see that of a place a little further out instead:
+!> With tilted gradients (brz_one_sided_arm) they see that of a place a little further out instead:
 !> then the stress alone has the bending stiffness of the whole section, and yields by its law.
 !>
 !> Source: docs/solid.md section 4
@@ -15,7 +15,7 @@ module brz_plate
     use brz_formulation, only: fast
     use brz_formulation_names, only: form_bending, form_total
     use brz_kinds, only: dp, rk
-    use brz_tilted_arm, only: face_lift
+    use brz_one_sided_arm, only: face_lift
     implicit none
     private
     public :: settle_plate

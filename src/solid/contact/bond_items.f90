@@ -20,7 +20,7 @@ module brz_bond_items
         pair_stress, pair_tilt, pair_volume, pair_zeta
     use brz_pair_rows, only: add_drag, add_hold, axes_of_pair, mirror_row
     use brz_shared_sums, only: carried_along
-    use brz_tilted_arm, only: tilted_arm, tilted_force, wall_arm
+    use brz_one_sided_arm, only: one_sided_arm, tilted_force, wall_arm
     implicit none
     private
     public :: sum_bonds, pull_bonds, break_bond, pull_links
@@ -248,7 +248,7 @@ contains
             image(t) = s(t)*x(t)
         end do
         lift = m%lift(side)
-        if (.not. m%curved(side)) call tilted_arm(c, lift, normal, dx, r, y)
+        if (.not. m%curved(side)) call one_sided_arm(c, lift, normal, dx, r, y)
         if (m%curved(side)) call wall_arm(m%normal(1, side), m%middle(1, side), image, c, lift, &
                                           dx, r, y)
     end subroutine arm_of

@@ -5,7 +5,7 @@
 !> Sums over present positions have a negative stiffness for waves of two spacings in matter under
 !> tension: 1.25 times the largest principal tension in an infinite lattice. A stiffness
 !> K = kappa s, s that tension, towards the affine image of the unloaded body outweighs it, and
-!> where there is no tension there is none. Faces with a lift (brz_tilted_arm) have a negative
+!> where there is no tension there is none. Faces with a lift (brz_one_sided_arm) have a negative
 !> stiffness of some 2.2 times it, and more of the tensile control. It lets go of matter that has
 !> expanded (spalled) and of neighbourhoods that the unloaded body no longer describes. Point
 !> physics.
@@ -94,7 +94,7 @@ contains
     !@cuf attributes(host,device) &
     pure function kappa_of(kappa, lift, tilt) result(k)
         real(rk), intent(in) :: kappa !! of the body
-        real(rk), intent(in) :: lift, tilt !! of its faces; of the particle; see brz_tilted_arm
+        real(rk), intent(in) :: lift, tilt !! of its faces; of the particle; see brz_one_sided_arm
         real(rk) :: k
 
         k = kappa

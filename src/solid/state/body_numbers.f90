@@ -26,7 +26,7 @@ module brz_body_numbers
         real(rk) :: at_rest = 2 !! sum of the squares of the two smaller parts of `stretch`
         real(rk) :: normal(3) = 0 !! of its plies, or of a plate of metal, in the unloaded body;
                                   !! 0: no tilted gradients
-        real(rk) :: lift = 0 !! of its faces over their tilt, see brz_tilted_arm
+        real(rk) :: lift = 0 !! of its faces over their tilt, see brz_one_sided_arm
         real(rk) :: layer_stiffness(9) = 0 !! C11, C22, C33, C12, C23, C13, G12, G23, G13 [Pa]
         real(rk) :: contraction = 0 !! along the normal over the growth of the area
         type(layers_t) :: layers !! under the faces of the air

@@ -34,7 +34,7 @@ module brz_interaction
         real(rk) :: rest(2) !! volume per mass of both, unloaded [m3/kg]
         real(rk) :: weight(2) !! bulk moduli over their mean [-]
         real(rk) :: normal(3, 2) !! of the layers of the first and of the second, 0: no tilts
-        real(rk) :: lift(2) !! of the faces of both over their tilts, see brz_tilted_arm
+        real(rk) :: lift(2) !! of the faces of both over their tilts, see brz_one_sided_arm
         logical :: curved(2) !! these are radial at each particle, see brz_body
         real(dp) :: middle(3, 2) !! a point of the axes of such walls [m]
         real(rk) :: tensile, shear !! strengths of a bond [Pa]

@@ -74,7 +74,7 @@ module brz_solid_state
         real(real32), allocatable :: k_axes(:, :) !! (6, n) hourglass stiffness xx, yy, zz, xy, yz,
                                                   !! xz; only where a body has one along axes [Pa]
         real(real32), allocatable :: tilt(:) !! (n) of the gradient in the outermost layers of
-                                             !! plies and plates, see brz_tilted_arm; only where
+                                             !! plies and plates, see brz_one_sided_arm; only where
                                              !! a body has a normal [1/m]
         real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
         real(rk), allocatable :: control(:, :) !! (n_control, n) the tensile control, where a body

@@ -23,15 +23,15 @@
 !> In a wall round an axis n is radial at each particle.
 !>
 !> Source: docs/solid.md section 4
-module brz_tilted_arm
+module brz_one_sided_arm
     use brz_gradient, only: invert_supported
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, rk
     use brz_pair_force, only: most_bent, overstretched
     implicit none
     private
-    public :: face_lift, lifted_arm, mirrored_tilt, pack_tilt, ply_arm, radial_normal, &
-              tilted_arm, tilted_correction, tilted_force, wall_arm
+    public :: face_lift, curved_arm, mirrored_tilt, pack_tilt, ply_arm, radial_normal, &
+              one_sided_arm, tilted_correction, tilted_force, wall_arm
 
     real(rk), parameter :: shift = 4096 !! of the first part of a packed tilt
     !> Added and taken away again it leaves the nearest whole number, in vector code too.
@@ -43,7 +43,7 @@ contains
     !> Arm of a pair: x_ij without tilt; with it none where the pair left the stretches 1/1.6..1.6.
     !> Normals lie along an axis, so along the others each part of X_ij grows by the same factor.
     !@cuf attributes(host,device) &
-    pure subroutine tilted_arm(c, lift, n, x_ref, r, y)
+    pure subroutine one_sided_arm(c, lift, n, x_ref, r, y)
         real(rk), intent(in) :: c !! tilt [1/m], of bars packed; of j as seen from i: the other sign
         real(rk), intent(in) :: lift !! s, see above; 0 of bars
         real(rk), intent(in) :: n(3) !! normal of the plies in the unloaded body; bars: see above
@@ -71,7 +71,7 @@ contains
             y(t) = along*x_ref(t) - slope*across + rise*n(t)
             if (c == 0) y(t) = r(t)
         end do
-    end subroutine tilted_arm
+    end subroutine one_sided_arm
 
     !> The same in laminates, which are no bars, and in curved walls: any normal.
     !@cuf attributes(host,device) &
@@ -96,8 +96,8 @@ contains
 
     !> The same in total-Lagrangian plates, in the unloaded body: no pair leaves it.
     !@cuf attributes(host,device) &
-    pure subroutine lifted_arm(c, lift, n, x_ref, y)
-        real(rk), intent(in) :: c, lift, n(3) !! see tilted_arm
+    pure subroutine curved_arm(c, lift, n, x_ref, y)
+        real(rk), intent(in) :: c, lift, n(3) !! see one_sided_arm
         real(rk), intent(in) :: x_ref(3) !! X_ij [m]
         real(rk), intent(out) :: y(3) !! [m]
         real(rk) :: z, across
@@ -107,7 +107,7 @@ contains
         y(1) = (1 + c*z)*x_ref(1) + across*n(1)
         y(2) = (1 + c*z)*x_ref(2) + across*n(2)
         y(3) = (1 + c*z)*x_ref(3) + across*n(3)
-    end subroutine lifted_arm
+    end subroutine curved_arm
 
     !> Normal of a wall at a place of the unloaded body.
     !@cuf attributes(host,device) &
@@ -133,7 +133,7 @@ contains
     pure subroutine wall_arm(across, middle, x, c, lift, x_ref, r, y)
         real(rk), intent(in) :: across(3) !! see radial_normal
         real(dp), intent(in) :: middle(3), x(3) !! see radial_normal [m]
-        real(rk), intent(in) :: c, lift, x_ref(3), r(3) !! see tilted_arm
+        real(rk), intent(in) :: c, lift, x_ref(3), r(3) !! see one_sided_arm
         real(rk), intent(out) :: y(3) !! [m]
         real(rk) :: n(3)
 
@@ -188,7 +188,7 @@ contains
     !> Tilt of an image: it changes sign where a plane turns its direction round.
     pure function mirrored_tilt(s, n, c) result(mirrored)
         real(rk), intent(in) :: s(3) !! -1 along the normal of a plane, else 1
-        real(rk), intent(in) :: n(3), c !! see tilted_arm
+        real(rk), intent(in) :: n(3), c !! see one_sided_arm
         real(rk) :: mirrored
         integer :: t
 
@@ -238,4 +238,4 @@ contains
         f(3) = -w*((ti(3)*yi(1) + ti(6)*yi(2) + ti(9)*yi(3)) &
                    + (tj(3)*yj(1) + tj(6)*yj(2) + tj(9)*yj(3)))
     end subroutine tilted_force
-end module brz_tilted_arm
+end module brz_one_sided_arm
