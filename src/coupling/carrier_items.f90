@@ -98,13 +98,14 @@ contains
     !> Force and torque of the air on a body by the load of a particle that it carries.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_air_load(p, first, box, carrier, wide, step_d, step_p, fixed, x, load, push)
+    pure subroutine sum_air_load(p, first, box, carrier, wide, stride_d, stride_p, fixed, x, load, &
+    push)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         type(box_t), intent(in) :: box
         type(carrier_t), intent(in) :: carrier
         integer, intent(in) :: wide !! rows of x
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in load
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in load
         integer(int32), intent(in) :: fixed(*)
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: load(*) !! [N]
@@ -118,7 +119,7 @@ contains
         if (.not. is_carried(carrier%carries, fixed(i) == is_fixed)) return
         loaded = .false.
         do d = 1, 3
-            force(d) = load(1 + (i - 1)*step_p + (d - 1)*step_d)
+            force(d) = load(1 + (i - 1)*stride_p + (d - 1)*stride_d)
             loaded = loaded .or. abs(force(d)) > 0
         end do
         if (.not. loaded) return

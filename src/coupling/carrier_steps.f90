@@ -104,8 +104,9 @@ contains
             if (c%carrier(b)%carries == carries_none) cycle
             associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)
                 call for_each_sum_air_load(c%on_gpu, last - first + 1, solid%ranks, first, c%box, &
-                                           c%carrier(b), solid%wide, solid%step_d, solid%step_p, &
-                                           solid%fixed, solid%x, solid%load, load(:, b), err)
+                                           c%carrier(b), solid%wide, solid%stride_d, &
+                                           solid%stride_p, solid%fixed, solid%x, solid%load, &
+                                           load(:, b), err)
             end associate
         end do
     end subroutine sum_loads

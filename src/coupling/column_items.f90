@@ -264,12 +264,12 @@ contains
     !> Load of each particle, from all faces whose columns reach its cell.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine load_particle(p, box, wide, step_d, step_p, home, above, gas, rows, surface, &
-                                  weight, force, x, mass, load)
+    pure subroutine load_particle(p, box, wide, stride_d, stride_p, home, above, gas, rows, &
+                                  surface, weight, force, x, mass, load)
         integer, intent(in) :: p !! particles
         type(box_t), intent(in) :: box
         integer, intent(in) :: wide !! rows of x
-        integer, intent(in) :: step_d, step_p !! distances in `load` of directions, of particles
+        integer, intent(in) :: stride_d, stride_p !! distances in `load` of directions, of particles
         integer(int32), intent(in) :: home(*), gas(*), rows(*)
         integer, intent(in) :: above(6, *)
         real(dp), intent(in) :: surface(*)
@@ -292,7 +292,7 @@ contains
                     total = total + force_from(rows(f), row, force(f))*share
                 end do
             end if
-            load(1 + (d - 1)*step_d + (p - 1)*step_p) = total
+            load(1 + (d - 1)*stride_d + (p - 1)*stride_p) = total
         end do
     end subroutine load_particle
 
@@ -300,14 +300,14 @@ contains
     !> the part of each pressure that acts below it. See brz_face_stress.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine bear_load(t, first, box, layers, wide, step_d, step_t, home, above, gas, rows, &
-                              surface, weight, force, x, mass, face_stress)
+    pure subroutine bear_load(t, first, box, layers, wide, stride_d, stride_t, home, above, gas, &
+                              rows, surface, weight, force, x, mass, face_stress)
         integer, intent(in) :: t !! particles of the body
         integer, intent(in) :: first !! the first of them
         type(box_t), intent(in) :: box
         type(layers_t), intent(in) :: layers !! of the body
         integer, intent(in) :: wide !! rows of x
-        integer, intent(in) :: step_d, step_t
+        integer, intent(in) :: stride_d, stride_t
         !! distances in `face_stress` of components, of particles
         integer(int32), intent(in) :: home(*), gas(*), rows(*)
         integer, intent(in) :: above(6, *)
@@ -334,7 +334,7 @@ contains
                 end do
                 total = total/(real(box%area(d), rk)*layers%share)
             end if
-            face_stress(1 + (d - 1)*step_d + (p - 1)*step_t) = total
+            face_stress(1 + (d - 1)*stride_d + (p - 1)*stride_t) = total
         end do
     end subroutine bear_load
 end module brz_column_items

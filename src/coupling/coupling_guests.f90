@@ -87,7 +87,8 @@ contains
         type(rows_t) :: from(n_known + 1), to(n_known + 1)
         integer :: n
 
-        call list_rows(c%on_gpu, solid, rows_of(c%on_gpu, solid%v_before, w, 3, solid%step_d), from)
+        call list_rows(c%on_gpu, solid, rows_of(c%on_gpu, solid%v_before, w, 3, solid%stride_d), &
+            from)
         call list_rows(c%on_gpu, c%guests, rows_of(c%on_gpu, c%guests%v_before, 3*w), to)
         n = n_moving
         if (all_of_it) n = merge(n_known, n_known + 1, c%on_gpu)
@@ -104,7 +105,7 @@ contains
 
         rows(1) = rows_of(on_gpu, p%x, 6, pitch=2*p%wide)
         rows(2) = rows_of(on_gpu, p%v, 3*w, pitch=p%wide*w)
-        rows(3) = rows_of(on_gpu, p%load, w, 3, p%step_d)
+        rows(3) = rows_of(on_gpu, p%load, w, 3, p%stride_d)
         rows(4) = rows_of(on_gpu, p%fixed, 1)
         rows(5) = v_before
         rows(6) = rows_of(on_gpu, p%mass, w)

@@ -72,8 +72,8 @@ contains
         allocate (c%guests, source=c%crowd)
         c%guests%on_gpu = .true.
         c%guests%wide = 4
-        c%guests%step_p = 1
-        c%guests%step_t = 1
+        c%guests%stride_p = 1
+        c%guests%stride_t = 1
         held = cells_t(air%before + 1 - air%g, air%before + air%n + air%g)
         call c%device%window%open(air%part%ranks, air%part%window, held, air%n_var, err)
         if (.not. any(c%box%wraps)) call map_blocks(c, air%part%window, held, err)

@@ -57,8 +57,8 @@ contains
 
         if (several(solid%ranks)) then
             ! the guests keep theirs when they are renewed
-            call for_each_keep_velocity(c%on_gpu, solid%n, solid%wide, solid%step_d, &
-                                        solid%step_p, solid%v, c%part%seat, solid%v_before, err)
+            call for_each_keep_velocity(c%on_gpu, solid%n, solid%wide, solid%stride_d, &
+                                        solid%stride_p, solid%v, c%part%seat, solid%v_before, err)
             call share_impulses(c, err)
             call press_bodies(c%guests, c, dt, err)
             call stress_faces(solid, c%guests, c, err)

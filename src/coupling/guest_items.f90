@@ -164,8 +164,8 @@ contains
     !> comes from others.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine take_load(k, boxes, first, asks, box, wide, x, fixed, step_d, step_p, place, &
-                              parts, came, load)
+    pure subroutine take_load(k, boxes, first, asks, box, wide, x, fixed, stride_d, stride_p, &
+                              place, parts, came, load)
         integer, intent(in) :: k !! copies of particles that others have, box by box
         integer, intent(in) :: boxes
         integer(int32), intent(in) :: first(*)
@@ -175,7 +175,7 @@ contains
         integer, intent(in) :: wide !! rows of x
         real(dp), intent(in) :: x(wide, *) !! [m]
         integer(int32), intent(in) :: fixed(*)
-        integer, intent(in) :: step_d, step_p !! distances of parts and particles in load
+        integer, intent(in) :: stride_d, stride_p !! distances of parts and particles in load
         integer(int32), intent(in) :: place(*) !! of particles, those without copies elsewhere too
         integer, intent(in) :: parts !! of a load, or of a stress
         real(rk), intent(in) :: came(parts, *) !! loads of the copies [N]
@@ -188,7 +188,7 @@ contains
         p = place(k + first(boxes + 1 + r))
         if (.not. is_in(asks(1, r), cell_of_grid(box, x(1, p), fixed(p)))) return
         do d = 1, parts
-            load(1 + (d - 1)*step_d + (p - 1)*step_p) = came(d, k)
+            load(1 + (d - 1)*stride_d + (p - 1)*stride_p) = came(d, k)
         end do
     end subroutine take_load
 

@@ -143,7 +143,7 @@ contains
         type(error_t), intent(inout) :: err
 
         c%guests%n = n
-        if (c%on_gpu) c%guests%step_d = n
+        if (c%on_gpu) c%guests%stride_d = n
         call at_least(c%on_gpu, c%guests%x, c%guests%wide, n, err)
         call at_least(c%on_gpu, c%guests%v, c%guests%wide, n, err)
         call at_least(c%on_gpu, c%guests%load, 3, n, err)
@@ -173,13 +173,13 @@ contains
         integer :: n, places
 
         n = merge(2, 1, allocated(solid%face_stress))
-        places = merge(solid%step_d, solid%n, c%on_gpu)
+        places = merge(solid%stride_d, solid%n, c%on_gpu)
         from(1) = rows_of(c%on_gpu, c%guests%load, w, 3, c%guests%n)
-        own(1) = rows_of(c%on_gpu, solid%load, w, 3, solid%step_d)
+        own(1) = rows_of(c%on_gpu, solid%load, w, 3, solid%stride_d)
         to(1) = rows_of(c%on_gpu, c%part%loads, 3*w)
         if (n == 2) then
             from(2) = rows_of(c%on_gpu, c%guests%face_stress, w, 6, c%guests%n)
-            own(2) = rows_of(c%on_gpu, solid%face_stress, w, 6, solid%step_d)
+            own(2) = rows_of(c%on_gpu, solid%face_stress, w, 6, solid%stride_d)
             to(2) = rows_of(c%on_gpu, c%part%stresses, 6*w)
             call clear_reals(c%on_gpu, 6*places, solid%face_stress, err)
         end if
@@ -188,11 +188,11 @@ contains
             call part%parcels%send_apart(part%in, part%home, from(:n), to(:n), part%out, own(:n), &
                                          err)
             call for_each_take_load(c%on_gpu, came, c%ranks%n, part%first_at, part%boxes_at, &
-                                    c%box, p%wide, p%x, p%fixed, p%step_d, p%step_p, &
+                                    c%box, p%wide, p%x, p%fixed, p%stride_d, p%stride_p, &
                                     part%out%place, 3, part%loads, p%load, err)
             if (n == 2) call for_each_take_load(c%on_gpu, came, c%ranks%n, part%first_at, &
-                part%boxes_at, c%box, p%wide, p%x, p%fixed, p%step_d, p%step_t, part%out%place, 6, &
-                part%stresses, p%face_stress, err)
+                part%boxes_at, c%box, p%wide, p%x, p%fixed, p%stride_d, p%stride_t, &
+                part%out%place, 6, part%stresses, p%face_stress, err)
         end associate
     end subroutine send_loads_home
 end module brz_guest_steps

@@ -118,13 +118,13 @@ contains
     !> item of its own: three threads of a GPU side by side read the same rows.
     !@item if(9*n >= worth_threads) schedule(dynamic, 192)
     !@cuf attributes(host,device) &
-    pure subroutine push_wall(t, box, wide, step_d, step_p, bodies, dt, dt_before, carrier, gas, &
-                              rows, owner, face_of, above, ends, binned, x, v, mass, load, &
+    pure subroutine push_wall(t, box, wide, stride_d, stride_p, bodies, dt, dt_before, carrier, &
+                              gas, rows, owner, face_of, above, ends, binned, x, v, mass, load, &
                               v_before, id, fixed, surface, weight, force, impedance, v_wall)
         integer, intent(in) :: t !! directions of solid cells
         type(box_t), intent(in) :: box
         integer, intent(in) :: wide, bodies !! rows of x and v, bodies
-        integer, intent(in) :: step_d, step_p !! distances in `load` of directions, of particles
+        integer, intent(in) :: stride_d, stride_p !! distances in `load` of directions, of particles
         real(rk), intent(in) :: dt, dt_before !! this and the last step of the air, 0: none [s]
         type(carrier_t), intent(in) :: carrier(bodies) !! in the middle of the step
         integer(int32), intent(in) :: gas(*), rows(*), owner(*)
@@ -160,7 +160,7 @@ contains
                 now(q) = v(d, some(q))
                 if (.not. dt_before > 0) cycle
                 before(q) = v_before(d, id(some(q)))
-                loads(q) = load(1 + (d - 1)*step_d + (some(q) - 1)*step_p)
+                loads(q) = load(1 + (d - 1)*stride_d + (some(q) - 1)*stride_p)
             end do
             do q = 1, at_once
                 if (i + q - 1 > ends(c + 1)) exit
@@ -246,17 +246,18 @@ contains
     !> Keep the velocities for the forces of the next step.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine keep_velocity(p, wide, step_d, step_p, v, id, v_before)
+    pure subroutine keep_velocity(p, wide, stride_d, stride_p, v, id, v_before)
         integer, intent(in) :: p !! particles
         integer, intent(in) :: wide !! rows of v
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in v_before
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in
+                                                  !! v_before
         real(rk), intent(in) :: v(wide, *)
         integer(int32), intent(in) :: id(*)
         real(rk), intent(inout) :: v_before(*)
         integer :: d
 
         do d = 1, 3
-            v_before(1 + (id(p) - 1)*step_p + (d - 1)*step_d) = v(d, p)
+            v_before(1 + (id(p) - 1)*stride_p + (d - 1)*stride_d) = v(d, p)
         end do
     end subroutine keep_velocity
 end module brz_velocity_items

@@ -62,7 +62,7 @@ contains
         integer(int32), intent(in) :: column(:) !! of each particle in it
         type(error_t), intent(inout) :: err
 
-        call for_each_push_wall(c%on_gpu, 3*c%wall%n_cells, c%box, p%wide, p%step_d, p%step_p, &
+        call for_each_push_wall(c%on_gpu, 3*c%wall%n_cells, c%box, p%wide, p%stride_d, p%stride_p, &
                                 c%bodies, real(dt, rk), real(c%dt_before, rk), c%carrier, c%gas, &
                                 c%rows, c%wall%face_cell, c%wall%face_of, c%above, c%ends, &
                                 c%binned, p%x, p%v, p%mass, p%load, v_before, column, p%fixed, &
@@ -95,9 +95,9 @@ contains
         call for_each_book_face(c%on_gpu, c%wall%n_faces, c%box, dt, c%gas, c%rows, &
                                 c%wall%face_cell, c%wall%impulse, c%wall%v, work, given, taken, &
                                 diag_at(c%device, diag_work), err)
-        call for_each_load_particle(c%on_gpu, p%n, c%box, p%wide, p%step_d, p%step_p, c%place_of, &
-                                    c%above, c%gas, c%rows, c%surface, c%weight, c%force, p%x, &
-                                    p%mass, p%load, err)
+        call for_each_load_particle(c%on_gpu, p%n, c%box, p%wide, p%stride_d, p%stride_p, &
+                                    c%place_of, c%above, c%gas, c%rows, c%surface, c%weight, &
+                                    c%force, p%x, p%mass, p%load, err)
         c%diagnostics%work = c%diagnostics%work + work(1)
         c%diagnostics%work_reference = c%diagnostics%work_reference + work(2)
         c%diagnostics%impulse = c%diagnostics%impulse + given
@@ -117,7 +117,7 @@ contains
             if (.not. solid%bodies(b)%face_share > 0 .or. solid%bodies(b)%asleep) cycle
             associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
                 call for_each_bear_load(c%on_gpu, last - first + 1, first, c%box, &
-                                        solid%bodies(b)%layers, p%wide, p%step_d, p%step_t, &
+                                        solid%bodies(b)%layers, p%wide, p%stride_d, p%stride_t, &
                                         c%place_of, c%above, c%gas, c%rows, c%surface, c%weight, &
                                         c%force, p%x, p%mass, p%face_stress, err)
             end associate

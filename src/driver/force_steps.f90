@@ -29,7 +29,7 @@ contains
             sums = rigid_forces(body, at)
             if (body%formulation == form_rigid) return
             call for_each_sum_forces(solid%on_gpu, there%last - there%first + 1, solid%ranks, there%first, &
-                solid%wide, solid%step_d, solid%step_p, merge(1, 0, allocated(solid%load)), &
+                solid%wide, solid%stride_d, solid%stride_p, merge(1, 0, allocated(solid%load)), &
                 merge(1, 0, allocated(solid%grip)), at(1), at(2), at(3), solid%x, solid%mass, &
                 solid%fixed, solid%a, load_of(solid), grip_of(solid), sums, err)
         end associate

@@ -33,25 +33,26 @@ contains
         a = pushes(solid%loads, size(solid%bodies), solid%time, dt)
         do b = 1, size(solid%bodies)
             associate (there => solid%bodies(b))
-                call for_each_begin_load(solid%on_gpu, there%last - there%first + 1, there%first, solid%step_d, &
-                    solid%step_p, a(1, b), a(2, b), a(3, b), solid%mass, solid%fixed, solid%load, err)
+                call for_each_begin_load(solid%on_gpu, there%last - there%first + 1, there%first, &
+                    solid%stride_d, solid%stride_p, a(1, b), a(2, b), a(3, b), solid%mass, &
+                    solid%fixed, solid%load, err)
             end associate
         end do
         solid%loads%mean = mean_pressures(solid%loads, solid%time, dt)
         if (solid%on_gpu) call update_device(solid%loads%mean, err)
         associate (there => solid%loads%facets, place => solid%loads%place)
             if (there%carriers > 0) call for_each_load_carrier(solid%on_gpu, there%carriers, solid%wide, &
-                solid%step_d, solid%step_p, solid%step_t, solid%time, dt, there%first, there%id, &
-                there%load, there%beside, there%mirror, there%width, there%most, there%side, &
-                there%wave, solid%loads%mean, place, solid%x, solid%fixed, solid%load, &
+                solid%stride_d, solid%stride_p, solid%stride_t, solid%time, dt, there%first, &
+                there%id, there%load, there%beside, there%mirror, there%width, there%most, &
+                there%side, there%wave, solid%loads%mean, place, solid%x, solid%fixed, solid%load, &
                 solid%face_stress, err)
         end associate
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b), there => solid%bodies(b))
                 if (body%formulation /= form_rigid .and. body%motion%n == 0) cycle
                 call for_each_sum_load(solid%on_gpu, there%last - there%first + 1, solid%ranks, there%first, &
-                    merge(0, 1, body%formulation == form_rigid), solid%wide, solid%step_d, &
-                    solid%step_p, body%rigid%x(1), body%rigid%x(2), body%rigid%x(3), solid%x, &
+                    merge(0, 1, body%formulation == form_rigid), solid%wide, solid%stride_d, &
+                    solid%stride_p, body%rigid%x(1), body%rigid%x(2), body%rigid%x(3), solid%x, &
                     solid%fixed, solid%load, body%rigid%load, err)
             end associate
         end do

@@ -49,8 +49,8 @@ contains
                 ! such a body keeps its list
                 if (body%formulation == form_total .and. .not. solid%links%present) &
                     unit = sqrt(huge(dt))/(2*move_levels)
-                call for_each_drift_particle(solid%on_gpu, n, b, there%first, solid%wide, solid%step_d, &
-                    solid%step_p, real((solid%dt_last + dt)/2, rk), dt, &
+                call for_each_drift_particle(solid%on_gpu, n, b, there%first, solid%wide, &
+                    solid%stride_d, solid%stride_p, real((solid%dt_last + dt)/2, rk), dt, &
                     merge(1, 0, allocated(solid%load)), unit, body%drift(1), body%drift(2), &
                     body%drift(3), solid%a, load_of(solid), solid%mass, solid%fixed, &
                     solid%x_built, solid%x, solid%v, solid%work, solid%moved, err)

@@ -133,7 +133,7 @@ contains
                 if (body%formulation /= form_rigid .or. body%asleep) cycle
                 turn = body%rigid%omega - body%rigid%spin
                 call for_each_settle_heat(solid%on_gpu, there%last - there%first + 1, there%first, lay, &
-                    solid%step_d, solid%step_p, dt, turn(1), turn(2), turn(3), l%row, &
+                    solid%stride_d, solid%stride_p, dt, turn(1), turn(2), turn(3), l%row, &
                     solid%mass, l%push(:, 1:), solid%a, solid%energy, heat_of(solid), err)
                 if (.not. solid%on_gpu) call record_drag(solid, b)
             end associate
@@ -180,7 +180,7 @@ contains
             solid%dt_limit = min(solid%dt_limit, body%dt_limit)
             if (.not. dt > 0) return
             call for_each_follow_rigid(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, &
-                solid%step_d, solid%step_p, dt, &
+                solid%stride_d, solid%stride_p, dt, &
                 pose_of(body%rigid, v, body%rigid%omega, body%rigid%q), solid%x, solid%v, solid%a, err)
         end associate
     end subroutine balance_body
@@ -200,7 +200,8 @@ contains
                 body%motion%force = merge(-body%rigid%load(1:3), 0.0_dp, solid%ranks%rank == 0)
                 call add_held_impulse(solid, b, dt, body%motion%force, err)
                 call for_each_follow_drive(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, 0, &
-                    solid%step_d, solid%step_p, dt, v(1), v(2), v(3), solid%fixed, solid%v, solid%a, err)
+                    solid%stride_d, solid%stride_p, dt, v(1), v(2), v(3), solid%fixed, solid%v, &
+                    solid%a, err)
             end if
             if (body%formulation == form_rigid .and. solid%ranks%rank > 0) return
             body%account%drive = body%account%drive - dt/2*dot_product( &
@@ -222,8 +223,8 @@ contains
         associate (body => solid%bodies(b), there => solid%bodies(b))
             do m = 1, size(body%regions)
                 call for_each_sum_region(solid%on_gpu, there%last - there%first + 1, solid%ranks, there%first, m, &
-                    solid%step_d, solid%step_p, merge(1, 0, allocated(solid%load)), solid%fixed, &
-                    load_of(solid), grip_of(solid), sums, err)
+                    solid%stride_d, solid%stride_p, merge(1, 0, allocated(solid%load)), &
+                    solid%fixed, load_of(solid), grip_of(solid), sums, err)
                 was = body%account
                 call end_motion(body%regions(m), solid%time, dt, sums, was, work)
                 if (solid%ranks%rank == 0) body%account = was
@@ -231,7 +232,8 @@ contains
                 if (solid%on_gpu .and. solid%ranks%rank == 0) call add_work(solid, b, work)
                 v = velocity_of(body%regions(m), solid%time)
                 call for_each_follow_drive(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, m, &
-                    solid%step_d, solid%step_p, dt, v(1), v(2), v(3), solid%fixed, solid%v, solid%a, err)
+                    solid%stride_d, solid%stride_p, dt, v(1), v(2), v(3), solid%fixed, solid%v, &
+                    solid%a, err)
             end do
         end associate
     end subroutine balance_regions

@@ -41,8 +41,9 @@ contains
                     l%slice(1:), l%count(1:), l%list, solid%fixed, err)
                 if (allocated(solid%control_due)) call for_each_let_go(solid%on_gpu, n, &
                     there%first, solid%fixed, solid%mass, solid%control_due, solid%energy, err)
-                call for_each_take_out(solid%on_gpu, n, there%first, solid%step_d, solid%step_p, &
-                    merge(1, 0, allocated(solid%load)), solid%a, load_of(solid), solid%fixed, err)
+                call for_each_take_out(solid%on_gpu, n, there%first, solid%stride_d, &
+                    solid%stride_p, merge(1, 0, allocated(solid%load)), solid%a, load_of(solid), &
+                    solid%fixed, err)
             end associate
         end do
     end subroutine remove_left

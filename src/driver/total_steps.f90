@@ -31,7 +31,7 @@ contains
         do k = 1, size(solid%bodies)
             associate (there => solid%bodies(k))
                 call for_each_sum_state(solid%on_gpu, there%last - there%first + 1, solid%ranks, there%first, &
-                    solid%wide, solid%step_d, solid%step_p, real(solid%dt_last/2, rk), &
+                    solid%wide, solid%stride_d, solid%stride_p, real(solid%dt_last/2, rk), &
                     solid%region, solid%x, solid%v, solid%mass, solid%a, solid%energy, &
                     solid%damage, solid%fixed, one, err)
             end associate

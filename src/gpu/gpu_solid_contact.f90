@@ -31,7 +31,7 @@ contains
         if (.not. gpu%bonded) return
         call list_linked(gpu, err)
         associate (l => gpu%links)
-            call solid_kernels%solid_bond_moments([l%n_linked, 1, 1], gpu%step_d, l%n_linked, &
+            call solid_kernels%solid_bond_moments([l%n_linked, 1, 1], gpu%stride_d, l%n_linked, &
                 l%linked, l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%volume, &
                 gpu%mass, l%bond, l%slice, l%count, l%list, gpu%row, gpu%grad, gpu%k_axes, &
                 gpu%control, err)
@@ -151,16 +151,16 @@ contains
                 call forget(diag_of(gpu, diag_contact), l%awake(:, k), err)
                 call forget(diag_of(gpu, diag_contact_early), l%awake(:, k), err)
             end do
-            call contact_kernels%push_links(l%n_touching, l%touching, gpu%step_d, l%lay, dt, &
+            call contact_kernels%push_links(l%n_touching, l%touching, gpu%stride_d, l%lay, dt, &
                 l%ends, l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, gpu%stress, gpu%pair, &
                 l%press, l%face, l%bond, l%joined, l%row, l%slice, links_that_touch(gpu), &
                 l%list, gpu%energy, diag_of(gpu, diag_contact), diag_of(gpu, diag_contact_early), &
                 diag_of(gpu, diag_contact_heat), diag_of(gpu, diag_rub), gpu%rate, gpu%extra, err)
             if (solid%links%faces) call refresh_rows(gpu, solid, err) ! with what faces bring
-            if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%step_d, l%lay, &
-                l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%k_axes, &
+            if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%stride_d, &
+                l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%k_axes, &
                 gpu%control, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
-            if (glue%present) call cohesive_kernels%add_pull(glue%nodes, gpu%step_d, &
+            if (glue%present) call cohesive_kernels%add_pull(glue%nodes, gpu%stride_d, &
                 integers_t(address=on_device(glue%place)), &
                 doubles_t(address=on_device(glue%push(:, 1:))), gpu%extra, err)
         end associate

@@ -148,7 +148,7 @@ contains
         integer :: k, lies
 
         call fields_of(solid, fields)
-        allocate (room(4, gpu%step_d), source=0.0_dp)
+        allocate (room(4, gpu%stride_d), source=0.0_dp)
         call c_f_pointer(c_loc(room), motion, [4, gpu%n])
         rows = [gpu%place%buffer_t, gpu%reference%buffer_t, gpu%built%buffer_t, gpu%motion%buffer_t]
         do lies = in_place, in_motion
@@ -198,9 +198,9 @@ contains
         else if (field%lies == in_state) then
             do first = 1, field%rows, at_once
                 n = min(at_once, field%rows - first + 1)
-                call c_f_pointer(c_loc(room), columns, [gpu%step_d, n])
+                call c_f_pointer(c_loc(room), columns, [gpu%stride_d, n])
                 associate (there => column_of(gpu, field%at + first - 1), &
-                           bytes => bytes_of_real*n*gpu%step_d)
+                           bytes => bytes_of_real*n*gpu%stride_d)
                     if (.not. puts) call copy_out(there, columns, bytes, err)
                     if (failed(err)) return
                     call carry_columns(field, first, columns(:gpu%n, :), puts)
@@ -227,7 +227,7 @@ contains
         call clear_buffer(gpu%common%told, err, 8_int64*size(values))
         do b = 1, size(gpu%bodies)
             associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
-                call solid_kernels%find_particles([last - first + 1, 1, 1], gpu%step_d, first, &
+                call solid_kernels%find_particles([last - first + 1, 1, 1], gpu%stride_d, first, &
                     last, size(id), integers_t(gpu%common%asked), gpu%tag, gpu%place, &
                     gpu%reference, gpu%motion, gpu%state, doubles_t(gpu%common%told), err)
             end associate

@@ -36,7 +36,7 @@ contains
 
         do b = 1, size(gpu%bodies)
             m = adders(gpu%bodies(b))
-            call solid_kernels%solid_state_of([m, 1, 1], gpu%step_d, m, gpu%bodies(b)%first, &
+            call solid_kernels%solid_state_of([m, 1, 1], gpu%stride_d, m, gpu%bodies(b)%first, &
                 gpu%bodies(b)%last, real(solid%dt_last/2, rk), gpu%region, gpu%place, gpu%motion, &
                 gpu%state, gpu%tag, gpu%partial, err)
             call gpu%common%fold(gpu%partial, m, n_sum, b, err)
@@ -61,7 +61,7 @@ contains
         integer :: m
 
         m = adders(gpu%bodies(b))
-        call solid_kernels%solid_diag_of([m, n_diag, 1], gpu%step_d, m, gpu%bodies(b)%first, &
+        call solid_kernels%solid_diag_of([m, n_diag, 1], gpu%stride_d, m, gpu%bodies(b)%first, &
             gpu%bodies(b)%last, gpu%diag, gpu%partial, err)
         call gpu%common%fold(gpu%partial, m, n_diag, set, err)
     end subroutine fold_diag

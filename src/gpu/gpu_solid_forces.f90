@@ -29,9 +29,9 @@ contains
             if (gpu%bodies(b)%rigid .or. gpu%bodies(b)%asleep) cycle
             call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
             associate (body => gpu%bodies(b))
-                call launch_solid_forces(body%forces, threads_of(body), gpu%step_d, real(dt, rk), &
-                    merge(1, 0, gpu%linked), load, body%params, gpu%place, gpu%near, gpu%far, &
-                    gpu%motion, gpu%row, gpu%k_axes, gpu%control, body%slice, gpu%acting, &
+                call launch_solid_forces(body%forces, threads_of(body), gpu%stride_d, &
+                    real(dt, rk), merge(1, 0, gpu%linked), load, body%params, gpu%place, gpu%near, &
+                    gpu%far, gpu%motion, gpu%row, gpu%k_axes, gpu%control, body%slice, gpu%acting, &
                     body%pairs, gpu%extra, gpu%state, gpu%tag, gpu%diag, gpu%flags, err)
             end associate
         end do

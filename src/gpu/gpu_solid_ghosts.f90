@@ -82,8 +82,8 @@ contains
         n = gpu%n_left
         if (gpu%linked) then
             call gpu%ghosts%refresh([gpu%left(:n), &
-                                     rows_of(gpu%stress, words_of_real, 6, gpu%step_d), &
-                                     rows_of(gpu%links%face, 1, n_face, gpu%step_d)], err)
+                                     rows_of(gpu%stress, words_of_real, 6, gpu%stride_d), &
+                                     rows_of(gpu%links%face, 1, n_face, gpu%stride_d)], err)
         else
             call gpu%ghosts%refresh(gpu%left(:n), err)
         end if

@@ -145,9 +145,9 @@ contains
             near = gpu%far
             far = gpu%near
         end if
-        call launch_solid_moments(body%moments, threads_of(body), gpu%step_d, body%params, place, &
-            other, near, far, gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad, &
-            gpu%state, gpu%tag, gpu%k_axes, gpu%control, gpu%acting, body%pairs, err)
+        call launch_solid_moments(body%moments, threads_of(body), gpu%stride_d, body%params, &
+            place, other, near, far, gpu%motion, body%slice, gpu%count, body%list, gpu%row, &
+            gpu%grad, gpu%state, gpu%tag, gpu%k_axes, gpu%control, gpu%acting, body%pairs, err)
     end subroutine sum_moments
 
     subroutine find_gradients(gpu, body, dt, err)
@@ -156,7 +156,7 @@ contains
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         type(error_t), intent(inout) :: err
 
-        call solid_kernels%solid_gradients(threads_of(body), gpu%step_d, body%params, gpu%row, &
+        call solid_kernels%solid_gradients(threads_of(body), gpu%stride_d, body%params, gpu%row, &
             gpu%grad, gpu%tag, gpu%k_axes, gpu%control, gpu%state, dt, err)
     end subroutine find_gradients
 
@@ -168,8 +168,8 @@ contains
         type(error_t), intent(inout) :: err
 
         if (body%layer) call row_kernels%free_face(body%last - body%gone - body%first + 1, &
-            body%first, gpu%step_d, 4, time, gpu%row, gpu%grad, gpu%stress, gpu%volume, gpu%mass, &
-            gpu%energy, err)
+            body%first, gpu%stride_d, 4, time, gpu%row, gpu%grad, gpu%stress, gpu%volume, &
+            gpu%mass, gpu%energy, err)
     end subroutine free_faces
 
     subroutine update_material(gpu, body, dt, err)
@@ -178,7 +178,7 @@ contains
         real(rk), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
 
-        call launch_advance_point(body%update, threads_of(body), gpu%step_d, dt, body%params, &
+        call launch_advance_point(body%update, threads_of(body), gpu%stride_d, dt, body%params, &
             body%material, gpu%grad, gpu%state, gpu%tag, gpu%diag, gpu%flags, err)
     end subroutine update_material
 
@@ -190,7 +190,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call row_kernels%move_face(body%last - body%gone - body%first + 1, &
-            body%first, gpu%step_d, 4, merge(1, 0, body%total), merge(1, 0, body%tilted), dt, &
+            body%first, gpu%stride_d, 4, merge(1, 0, body%total), merge(1, 0, body%tilted), dt, &
             body%density, body%reach, gpu%links%count, tags_of(gpu, tag_limp), gpu%row, gpu%grad, &
             gpu%mu, gpu%volume, gpu%mass, gpu%links%face, gpu%links%press, err)
     end subroutine move_faces
@@ -201,7 +201,7 @@ contains
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         type(error_t), intent(inout) :: err
 
-        call solid_kernels%solid_rows(threads_of(body), gpu%step_d, dt, body%params, &
+        call solid_kernels%solid_rows(threads_of(body), gpu%stride_d, dt, body%params, &
             body%material, gpu%place, gpu%grad, gpu%state, gpu%tag, gpu%motion, gpu%row, gpu%rate, &
             gpu%axes, gpu%k_axes, gpu%control, gpu%diag, gpu%flags, err)
     end subroutine fill_rows

@@ -40,7 +40,7 @@ contains
             bytes = size(solid%links%cell)*bytes_of_real
             call put_buffer(solid%links%cell, links%cell, bytes, err)
             call fix_layout(link_layout_t(size(solid%bodies), solid%dimension, &
-                merge(1, 0, gpu%column%control_due > 0), 0, gpu%step_d, 0, 0, 0, 0, 0, 0, &
+                merge(1, 0, gpu%column%control_due > 0), 0, gpu%stride_d, 0, 0, 0, 0, 0, 0, &
                 real(solid%depth, rk)), links%lay)
             call allocate_buffer(links%found, 4_int64, err)
             call allocate_buffer(links%met, 4_int64*size(solid%bodies)**2, err)

@@ -62,7 +62,7 @@ contains
             if (.not. anew(b)) cycle
             if (solid%bodies(b)%formulation /= form_bending .and. .not. gpu%bodies(b)%drawn) cycle
             associate (body => gpu%bodies(b))
-                call solid_kernels%solid_end_support(threads_of(body), gpu%step_d, body%params, &
+                call solid_kernels%solid_end_support(threads_of(body), gpu%stride_d, body%params, &
                     intact_share, body%slice, gpu%count, body%list, gpu%reference, gpu%state, &
                     gpu%tag, err)
             end associate

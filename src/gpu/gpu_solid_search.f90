@@ -169,7 +169,7 @@ contains
         lattice = solid%materials(solid%bodies(b)%material)%density &
             *solid%bodies(b)%spacing**solid%dimension*solid%depth
         associate (body => gpu%bodies(b))
-            call drift_kernels%sum_drift(body%last - body%first + 1, body%first, 4, gpu%step_d, &
+            call drift_kernels%sum_drift(body%last - body%first + 1, body%first, 4, gpu%stride_d, &
                 real(solid%dt_last/2, rk), 1/lattice, gpu%mass, gpu%motion, &
                 gpu%a, gpu%sums_of_forces, err)
         end associate

@@ -167,7 +167,7 @@ contains
                     associate (body => gpu%bodies(b))
                         if (body%rim < body%first) cycle
                         from%address = before%address &
-                            + 4*words*((c - 1_int64)*gpu%step_d + old(b) - 1)
+                            + 4*words*((c - 1_int64)*gpu%stride_d + old(b) - 1)
                         to%address = array%address &
                             + 4*words*((c - 1_int64)*apart + body%first - 1)
                         call copy_within(from, to, 4_int64*words*(body%rim - body%first + 1), err)
@@ -183,7 +183,7 @@ contains
         type(solid_device_t), intent(inout) :: gpu
         type(integers_t) :: tags
 
-        gpu%step_d = whole_lanes(gpu%n)
+        gpu%stride_d = whole_lanes(gpu%n)
         gpu%x = gpu%place
         gpu%x_ref = gpu%reference
         gpu%x_built = gpu%built
@@ -216,7 +216,7 @@ contains
             tags = tags_of(gpu, tag_face)
             links%face = tags%buffer_t
             links%row = links%count
-            links%lay%step_c = gpu%step_d
+            links%lay%step_c = gpu%stride_d
         end associate
     end subroutine see_arrays
 
@@ -229,9 +229,9 @@ contains
         if (.not. allocated(solid%moved)) allocate (solid%moved(lost_level, size(solid%bodies)))
         if (.not. allocated(solid%work)) allocate (solid%work(solid%n))
         solid%wide = gpu%wide
-        solid%step_d = gpu%step_d
-        solid%step_p = gpu%step_p
-        solid%step_t = gpu%step_t
+        solid%stride_d = gpu%stride_d
+        solid%stride_p = gpu%stride_p
+        solid%stride_t = gpu%stride_t
         call attach(solid%x, gpu%x)
         call attach(solid%x_ref, gpu%x_ref)
         call attach(solid%x_built, gpu%x_built)
@@ -340,14 +340,14 @@ contains
         type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: column
 
-        column_of = from(gpu%state, (column - 1_int64)*gpu%step_d + 1)
+        column_of = from(gpu%state, (column - 1_int64)*gpu%stride_d + 1)
     end function column_of
 
     pure type(integers_t) function tags_of(gpu, column)
         type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: column
 
-        tags_of = from(gpu%tag, (column - 1_int64)*gpu%step_d + 1)
+        tags_of = from(gpu%tag, (column - 1_int64)*gpu%stride_d + 1)
     end function tags_of
 
     !> A column of the diagnostics.
@@ -355,7 +355,7 @@ contains
         type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: column
 
-        diag_of = from(gpu%diag, (column - 1_int64)*gpu%step_d + 1)
+        diag_of = from(gpu%diag, (column - 1_int64)*gpu%stride_d + 1)
     end function diag_of
 
     !> One thread for each particle of a body that is there.

@@ -9,7 +9,7 @@
 !> History: plastic strain [-]
 module brz_drucker_prager
     use brz_equation_of_state, only: n_block
-    use brz_isotropic, only: begin_step, end_step, set_linear, step_t
+    use brz_isotropic, only: begin_step, end_step, set_linear, stride_t
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
     use brz_material, only: class_crumbling, material_t, point_t
@@ -99,7 +99,7 @@ contains
         real(rk), intent(in) :: l(3, 3) !! dv_i/dx_j at mid-step [1/s]
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
-        type(step_t) :: step
+        type(stride_t) :: step
         real(rk) :: pressure, yield, keep
 
         call begin_step(material, dt, l, point, step)

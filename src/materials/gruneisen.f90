@@ -9,7 +9,7 @@
 module brz_gruneisen
     use brz_eos_keys, only: cutoff_key, gruneisen_block, gruneisen_keys, n_gruneisen
     use brz_equation_of_state, only: n_block, unloaded_bulk
-    use brz_isotropic, only: begin_step, end_step, no_cutoff, step_t
+    use brz_isotropic, only: begin_step, end_step, no_cutoff, stride_t
     use brz_key, only: required
     use brz_kinds, only: dp, rk
     use brz_material, only: class_metal, material_t, point_t
@@ -74,7 +74,7 @@ contains
         real(rk), intent(in) :: l(3, 3) !! dv_i/dx_j at mid-step [1/s]
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
-        type(step_t) :: step
+        type(stride_t) :: step
         real(rk) :: keep, strain
 
         call begin_step(material, dt, l, point, step)

@@ -15,14 +15,14 @@ module brz_isotropic
     use brz_mie_gruneisen, only: pressure_step
     implicit none
     private
-    public :: step_t, set_linear, begin_step, end_step, fail_step, no_cutoff, on_surface
+    public :: stride_t, set_linear, begin_step, end_step, fail_step, no_cutoff, on_surface
 
     real(rk), parameter :: no_cutoff = -1e15_rk !! least pressure where tension has no limit [Pa]
     !> A returned stress that is off the yield stress by this part of it is good enough.
     real(rk), parameter :: on_surface = 1e-10_rk + 16*epsilon(1.0_rk)
 
     !> A step between its elastic trial and its end.
-    type :: step_t
+    type :: stride_t
         real(rk) :: mises !! equivalent stress of the elastic trial [Pa]
         real(rk) :: rate !! total equivalent deviatoric rate sqrt(2/3 d':d') [1/s]
         real(rk) :: mu !! compression at the end
@@ -30,7 +30,7 @@ module brz_isotropic
         real(rk) :: p_old, p !! pressure at the start and at the end [Pa]
         real(rk) :: plastic !! plastic work, or what a failure releases [J/kg]
         real(rk) :: s(6), trial(6), de(6), q(3, 3) !! see deviator.f90
-    end type step_t
+    end type stride_t
 
 contains
 
@@ -59,7 +59,7 @@ contains
         real(rk), intent(in) :: dt !! [s]
         real(rk), intent(in) :: l(3, 3) !! dv_i/dx_j at mid-step [1/s]
         type(point_t), intent(in) :: point
-        type(step_t), intent(out) :: step
+        type(stride_t), intent(out) :: step
         integer :: i
 
         step%mu = point%mu
@@ -81,7 +81,7 @@ contains
         real(rk), intent(in) :: eos(n_block)
         real(rk), intent(in) :: least !! the pressure never falls below this [Pa]
         real(rk), intent(in) :: keep !! yield stress over trial stress; 1: elastic
-        type(step_t), intent(inout) :: step
+        type(stride_t), intent(inout) :: step
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
         type(eos_terms_t) :: terms
@@ -120,7 +120,7 @@ contains
         type(material_t), intent(in) :: material
         real(rk), intent(in) :: eos(n_block)
         type(point_t), intent(in) :: before !! at the start of the step
-        type(step_t), intent(in) :: step
+        type(stride_t), intent(in) :: step
         type(point_t), intent(inout) :: point !! at its end
         type(eos_terms_t) :: terms
         real(rk) :: curve, opening

@@ -11,7 +11,7 @@ module brz_metal
     use brz_algebra, only: double_dot
     use brz_flow_list, only: feels_heat, flow_of, heat_of
     use brz_isentrope, only: isentrope_step, isentrope_temperature
-    use brz_isotropic, only: begin_step, end_step, fail_step, on_surface, step_t
+    use brz_isotropic, only: begin_step, end_step, fail_step, on_surface, stride_t
     use brz_johnson_cook_failure, only: failure_strain
     use brz_kinds, only: rk
     use brz_material, only: material_t, n_par, point_t
@@ -35,7 +35,7 @@ contains
         real(rk), intent(in) :: l(3, 3) !! dv_i/dx_j at mid-step [1/s]
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
-        type(step_t) :: step
+        type(stride_t) :: step
         type(point_t) :: before
         real(rk) :: keep, strain, least, hot
         logical :: failed
@@ -81,7 +81,7 @@ contains
         integer, intent(in) :: model
         type(material_t), intent(in) :: material
         real(rk), intent(in) :: dt, hot !! [s], T*
-        type(step_t), intent(in) :: step
+        type(stride_t), intent(in) :: step
         type(point_t), intent(in) :: point !! at the start
         real(rk), intent(out) :: strain, keep
         real(rk), parameter :: least = 1e-12_rk
@@ -129,7 +129,7 @@ contains
     pure subroutine heat(material, mu_old, step, point)
         type(material_t), intent(in) :: material
         real(rk), intent(in) :: mu_old !! compression at the start
-        type(step_t), intent(in) :: step
+        type(stride_t), intent(in) :: step
         type(point_t), intent(inout) :: point
         real(rk) :: elastic, cold
 

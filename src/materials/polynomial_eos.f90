@@ -7,7 +7,7 @@
 module brz_polynomial_eos
     use brz_eos_keys, only: cutoff_key, n_polynomial, polynomial_block, polynomial_keys
     use brz_equation_of_state, only: n_block, unloaded_bulk
-    use brz_isotropic, only: begin_step, end_step, no_cutoff, step_t
+    use brz_isotropic, only: begin_step, end_step, no_cutoff, stride_t
     use brz_key, only: required
     use brz_kinds, only: dp, rk
     use brz_material, only: class_fluid, material_t, point_t
@@ -59,7 +59,7 @@ contains
         real(rk), intent(in) :: l(3, 3) !! dv_i/dx_j at mid-step [1/s]
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
-        type(step_t) :: step
+        type(stride_t) :: step
 
         call begin_step(material, dt, l, point, step)
         call end_step(material, material%par(p_block), material%par(p_cutoff), 0.0_rk, step, &

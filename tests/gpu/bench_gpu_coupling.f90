@@ -103,9 +103,9 @@ contains
     subroutine lay_particles()
         solid%on_gpu = .true.
         solid%wide = 4
-        solid%step_d = solid%n
-        solid%step_p = 1
-        solid%step_t = 1
+        solid%stride_d = solid%n
+        solid%stride_p = 1
+        solid%stride_t = 1
         call at_least(.true., solid%x, 4, solid%n, err)
         call at_least(.true., solid%v, 4, solid%n, err)
         call at_least(.true., solid%mass, solid%n, err)

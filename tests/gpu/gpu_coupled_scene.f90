@@ -71,9 +71,9 @@ contains
         s%twin = s%solid
         s%twin%on_gpu = .true.
         s%twin%wide = 4
-        s%twin%step_d = s%solid%n
-        s%twin%step_p = 1
-        s%twin%step_t = 1
+        s%twin%stride_d = s%solid%n
+        s%twin%stride_p = 1
+        s%twin%stride_t = 1
         deallocate (s%twin%x, s%twin%v)
         call at_least(.true., s%twin%x, 4, s%solid%n, s%err)
         call at_least(.true., s%twin%v, 4, s%solid%n, s%err)

@@ -373,7 +373,7 @@ contains
             normal(t) = normal(t)/length
         end do
         do t = 1, 6
-            own(t) = stress((i - 1_int64)*lay%step_p + (t - 1_int64)*lay%step_c + 1)
+            own(t) = stress((i - 1_int64)*lay%stride_p + (t - 1_int64)*lay%step_c + 1)
         end do
         effort = 0
         do p = 0, n - 1

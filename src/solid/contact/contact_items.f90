@@ -335,7 +335,7 @@ contains
         integer(int64) :: at
         integer :: t
 
-        at = (p - 1_int64)*lay%step_p + 1
+        at = (p - 1_int64)*lay%stride_p + 1
         do t = 1, 3
             total(t) = stress(at + (t - 1_int64)*lay%step_c)
         end do

@@ -20,11 +20,11 @@ contains
     !> as long as the particles of a process times their speed stay below 2^36 m/s.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_drift(p, first, wide, step_d, half, per_mass, mass, v, accel, total)
+    pure subroutine sum_drift(p, first, wide, stride_d, half, per_mass, mass, v, accel, total)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of v
-        integer, intent(in) :: step_d !! distance of directions in accel
+        integer, intent(in) :: stride_d !! distance of directions in accel
         real(rk), intent(in) :: half !! half of the last time step [s]
         real(dp), intent(in) :: per_mass !! 1/mass of a particle on the lattice [1/kg]
         real(rk), intent(in) :: mass(*)
@@ -37,7 +37,7 @@ contains
         i = first - 1 + p
         share = fine*per_mass*mass(i)
         do c = 1, 3
-            u(c) = v(c, i) + half*accel(i + (c - 1)*step_d)
+            u(c) = v(c, i) + half*accel(i + (c - 1)*stride_d)
             if (.not. abs(u(c)) < fastest) u(c) = 0
         end do
         total(1) = total(1) + anint(share)

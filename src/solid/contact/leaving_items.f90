@@ -104,10 +104,10 @@ contains
     !> Take a particle that leaves out: it has no force from now on.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine take_out(p, first, step_d, step_p, loaded, accel, load, fixed)
+    pure subroutine take_out(p, first, stride_d, stride_p, loaded, accel, load, fixed)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in forces
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in forces
         integer, intent(in) :: loaded !! 1: `load` is there
         real(rk), intent(inout) :: accel(*), load(*) !! [m/s2], [N]
         integer(int32), intent(inout) :: fixed(*)
@@ -117,7 +117,7 @@ contains
         if (fixed(i) /= is_leaving) return
         fixed(i) = is_gone
         do d = 1, 3
-            at = 1 + (i - 1)*step_p + (d - 1)*step_d
+            at = 1 + (i - 1)*stride_p + (d - 1)*stride_d
             accel(at) = 0
             if (loaded == 1) load(at) = 0
         end do

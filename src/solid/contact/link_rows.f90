@@ -103,9 +103,9 @@ contains
         type(solid_t), intent(in) :: solid
         type(push_layout_t) :: lay
 
-        lay = push_layout_t(compact=1, step_c=1, step_p=9, drag=3, torque=6, heat=0, &
+        lay = push_layout_t(compact=1, step_c=1, stride_p=9, drag=3, torque=6, heat=0, &
                             glued=merge(1, 0, solid%cohesive%present))
-        if (solid%on_gpu) lay = push_layout_t(compact=0, step_c=solid%step_d, step_p=1, &
+        if (solid%on_gpu) lay = push_layout_t(compact=0, step_c=solid%stride_d, stride_p=1, &
             drag=at_drag, torque=at_stiff, heat=at_heat, glued=0)
     end function layout_of_pushes
 end module brz_link_rows

@@ -68,10 +68,10 @@ contains
     !> Begin the load of a particle by the push on its body.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine begin_load(p, first, step_d, step_p, ax, ay, az, mass, fixed, load)
+    pure subroutine begin_load(p, first, stride_d, stride_p, ax, ay, az, mass, fixed, load)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in load
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in load
         real(dp), intent(in) :: ax, ay, az !! acceleration [m/s2]
         real(rk), intent(in) :: mass(*)
         integer(int32), intent(in) :: fixed(*)
@@ -82,21 +82,21 @@ contains
         i = first - 1 + p
         m = mass(i)
         if (fixed(i) == is_gone) m = 0
-        load(1 + (i - 1)*step_p) = real(m*ax, rk)
-        load(1 + (i - 1)*step_p + step_d) = real(m*ay, rk)
-        load(1 + (i - 1)*step_p + 2*step_d) = real(m*az, rk)
+        load(1 + (i - 1)*stride_p) = real(m*ax, rk)
+        load(1 + (i - 1)*stride_p + stride_d) = real(m*ay, rk)
+        load(1 + (i - 1)*stride_p + 2*stride_d) = real(m*az, rk)
     end subroutine begin_load
 
     !> Add the pressures on the facets of a particle to its load.
     !@item if(n >= worth_threads/4) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine load_carrier(c, wide, step_d, step_p, step_t, time, dt, first, id, of, beside, &
-                                 mirror, width, most, side, wave, mean, place, x, fixed, load, &
-                                 face_stress)
+    pure subroutine load_carrier(c, wide, stride_d, stride_p, stride_t, time, dt, first, id, of, &
+                                 beside, mirror, width, most, side, wave, mean, place, x, fixed, &
+                                 load, face_stress)
         integer, intent(in) :: c !! carriers of facets
         integer, intent(in) :: wide !! rows of x
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in load
-        integer, intent(in) :: step_t !! distance of particles in face_stress
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in load
+        integer, intent(in) :: stride_t !! distance of particles in face_stress
         real(dp), intent(in) :: time, dt !! start of the step, its length [s]
         integer(int32), intent(in) :: first(*), id(*), of(*), beside(4, *), mirror(4, *)
         real(dp), intent(in) :: width(2, *), most(2, *)
@@ -129,11 +129,11 @@ contains
             call add_face_stress(real(p, rk), real(area, rk), tau)
         end do
         do d = 1, 3
-            k = 1 + (i - 1)*step_p + (d - 1)*step_d
+            k = 1 + (i - 1)*stride_p + (d - 1)*stride_d
             load(k) = load(k) + real(total(d), rk)
         end do
         do d = 1, 6
-            face_stress(1 + (i - 1)*step_t + (d - 1)*step_d) = tau(d)
+            face_stress(1 + (i - 1)*stride_t + (d - 1)*stride_d) = tau(d)
         end do
     end subroutine load_carrier
 
@@ -194,12 +194,13 @@ contains
     !> Add the load of a particle to the force and the torque on its body.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_load(p, first, held, wide, step_d, step_p, cx, cy, cz, x, fixed, load, push)
+    pure subroutine sum_load(p, first, held, wide, stride_d, stride_p, cx, cy, cz, x, fixed, load, &
+    push)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: held !! 1: those that are held alone
         integer, intent(in) :: wide !! rows of x
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in load
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in load
         real(dp), intent(in) :: cx, cy, cz !! centre of mass [m]
         real(dp), intent(in) :: x(wide, *)
         integer(int32), intent(in) :: fixed(*)
@@ -214,7 +215,7 @@ contains
         arm(2) = x(2, i) - cy
         arm(3) = x(3, i) - cz
         do d = 1, 3
-            f(d) = load(1 + (i - 1)*step_p + (d - 1)*step_d)
+            f(d) = load(1 + (i - 1)*stride_p + (d - 1)*stride_d)
             push(d) = push(d) + f(d)
         end do
         push(4) = push(4) + (arm(2)*f(3) - arm(3)*f(2))

@@ -18,11 +18,11 @@ contains
     !> Velocity of particle i by the mean of the last and this time step, then position. What is
     !> held or driven does not move by itself.
     !@cuf attributes(host,device) &
-    pure subroutine kick_and_drift(i, wide, step_d, step_p, mean, dt, loaded, accel, load, mass, &
-                                   fixed, x, v, work)
+    pure subroutine kick_and_drift(i, wide, stride_d, stride_p, mean, dt, loaded, accel, load, &
+                                   mass, fixed, x, v, work)
         integer, intent(in) :: i
         integer, intent(in) :: wide !! rows of x and v
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in forces
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in forces
         real(rk), intent(in) :: mean !! [s]
         real(dp), intent(in) :: dt !! [s]
         integer, intent(in) :: loaded !! 1: `load` is there
@@ -39,7 +39,7 @@ contains
         total = 0
         do d = 1, 3
             if (fixed(i) >= driven_by(1) .and. is_kept(fixed(i), d)) cycle
-            at = 1 + (i - 1)*step_p + (d - 1)*step_d
+            at = 1 + (i - 1)*stride_p + (d - 1)*stride_d
             push = 0
             if (loaded == 1) then
                 if (.not. is_kept(fixed(i), d)) push = load(at)
@@ -55,13 +55,14 @@ contains
     !> Kick and drift, the work of the load, and how far the particle has gone.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine drift_particle(p, body, first, wide, step_d, step_p, mean, dt, loaded, unit, &
-                                   dx, dy, dz, accel, load, mass, fixed, built, x, v, work, moved)
+    pure subroutine drift_particle(p, body, first, wide, stride_d, stride_p, mean, dt, loaded, &
+                                   unit, dx, dy, dz, accel, load, mass, fixed, built, x, v, work, &
+                                   moved)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of x and v
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in forces
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in forces
         real(rk), intent(in) :: mean !! [s]
         real(dp), intent(in) :: dt !! [s]
         integer, intent(in) :: loaded !! 1: `load` is there
@@ -78,8 +79,8 @@ contains
         integer :: i
 
         i = first - 1 + p
-        call kick_and_drift(i, wide, step_d, step_p, mean, dt, loaded, accel, load, mass, fixed, &
-                            x, v, share)
+        call kick_and_drift(i, wide, stride_d, stride_p, mean, dt, loaded, accel, load, mass, &
+                            fixed, x, v, share)
         if (loaded == 1) work(i) = work(i) + share
         call note_particle(p, body, first, wide, unit, dx, dy, dz, fixed, x, built, moved)
     end subroutine drift_particle

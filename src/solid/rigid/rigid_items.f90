@@ -42,13 +42,13 @@ contains
     !> Acceleration of such a particle that brings it to the velocity of the step.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine follow_drive(p, first, wide, region, step_d, step_p, dt, vx, vy, vz, fixed, v, &
-                                 accel)
+    pure subroutine follow_drive(p, first, wide, region, stride_d, stride_p, dt, vx, vy, vz, &
+                                 fixed, v, accel)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of v
         integer, intent(in) :: region !! its motion; 0: that of what is held
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in accel
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in accel
         real(dp), intent(in) :: dt, vx, vy, vz !! step [s], velocity at its end [m/s]
         integer(int32), intent(in) :: fixed(*)
         real(rk), intent(in) :: v(wide, *)
@@ -63,7 +63,7 @@ contains
         drive(3) = vz
         do d = 1, 3
             if (.not. is_kept(fixed(i), d)) cycle
-            accel(1 + (i - 1)*step_p + (d - 1)*step_d) = real(2/dt*(drive(d) - v(d, i)), rk)
+            accel(1 + (i - 1)*stride_p + (d - 1)*stride_d) = real(2/dt*(drive(d) - v(d, i)), rk)
         end do
     end subroutine follow_drive
 
@@ -92,11 +92,11 @@ contains
     !> Acceleration of a particle of a rigid body that brings it to the velocity of the step.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine follow_rigid(p, first, wide, step_d, step_p, dt, pose, x, v, accel)
+    pure subroutine follow_rigid(p, first, wide, stride_d, stride_p, dt, pose, x, v, accel)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of x and v
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in accel
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in accel
         real(dp), intent(in) :: dt !! [s]
         type(pose_t), intent(in) :: pose
         real(dp), intent(in) :: x(wide, *)
@@ -108,7 +108,7 @@ contains
         i = first - 1 + p
         speed = velocity_at(pose, x(1, i))
         do d = 1, 3
-            accel(1 + (i - 1)*step_p + (d - 1)*step_d) = real(2/dt*(speed(d) - v(d, i)), rk)
+            accel(1 + (i - 1)*stride_p + (d - 1)*stride_d) = real(2/dt*(speed(d) - v(d, i)), rk)
         end do
     end subroutine follow_rigid
 
@@ -134,7 +134,7 @@ contains
         at = i
         if (lay%compact == 1) at = row(i)
         if (at == 0 .and. lay%glued == 0) return
-        at = 1 + (at - 1)*lay%step_p
+        at = 1 + (at - 1)*lay%stride_p
         do c = 1, 3
             f(c) = 0
             if (at > 0) f(c) = pairs(at + (c - 1)*lay%step_c) &
@@ -154,12 +154,12 @@ contains
     !> the kick, but drag works with the mean of those before and after it: the rest is made good.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine settle_heat(p, first, lay, step_d, step_p, dt, wx, wy, wz, row, mass, pairs, &
-                                accel, energy, diag)
+    pure subroutine settle_heat(p, first, lay, stride_d, stride_p, dt, wx, wy, wz, row, mass, &
+                                pairs, accel, energy, diag)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         type(push_layout_t), intent(in) :: lay
-        integer, intent(in) :: step_d, step_p !! distances in `accel`
+        integer, intent(in) :: stride_d, stride_p !! distances in `accel`
         real(dp), intent(in) :: dt !! step just made [s]
         real(dp), intent(in) :: wx, wy, wz !! change of the spin in the kick [1/s]
         integer(int32), intent(in) :: row(*)
@@ -174,7 +174,7 @@ contains
         at = i
         if (lay%compact == 1) at = row(i)
         if (at == 0) return
-        at = 1 + (at - 1)*lay%step_p
+        at = 1 + (at - 1)*lay%stride_p
         turn(1) = wx
         turn(2) = wy
         turn(3) = wz
@@ -182,7 +182,7 @@ contains
         turning = 0
         do c = 1, 3
             drag = drag + pairs(at + (lay%drag + c - 1)*lay%step_c) &
-                   *accel(1 + (i - 1)*step_p + (c - 1)*step_d)
+                   *accel(1 + (i - 1)*stride_p + (c - 1)*stride_d)
             turning = turning + pairs(at + (lay%torque + c - 1)*lay%step_c)*turn(c)
         end do
         heat = -dt*(dt/2*drag + turning)

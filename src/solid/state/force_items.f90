@@ -17,12 +17,12 @@ contains
     !> what is left of those on all of them comes from others.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_forces(p, first, wide, step_d, step_p, loaded, gripped, cx, cy, cz, x, &
+    pure subroutine sum_forces(p, first, wide, stride_d, stride_p, loaded, gripped, cx, cy, cz, x, &
                                mass, fixed, accel, load, grip, total)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of x
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in forces
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in forces
         integer, intent(in) :: loaded, gripped !! 1: `load`, `grip` are there
         real(dp), intent(in) :: cx, cy, cz !! point of the moment [m]
         real(dp), intent(in) :: x(wide, *)
@@ -39,7 +39,7 @@ contains
         arm(2) = x(2, i) - cy
         arm(3) = x(3, i) - cz
         do d = 1, 3
-            at = 1 + (i - 1)*step_p + (d - 1)*step_d
+            at = 1 + (i - 1)*stride_p + (d - 1)*stride_d
             push = 0
             if (loaded == 1) push = load(at)
             g(d) = 0
@@ -60,12 +60,12 @@ contains
     !> and of what is outside of the region or has been taken out: see totals_of_sums.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_state(p, first, wide, step_d, step_p, half, region, x, v, mass, accel, &
+    pure subroutine sum_state(p, first, wide, stride_d, stride_p, half, region, x, v, mass, accel, &
                               energy, damage, fixed, total)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of x and v
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in accel
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in accel
         real(rk), intent(in) :: half !! half the last step [s]
         real(dp), intent(in) :: region(3, 2) !! corners [m]
         real(dp), intent(in) :: x(wide, *)
@@ -83,7 +83,7 @@ contains
         outside = .false.
         do d = 1, 3
             at(d) = x(d, i)
-            u(d) = v(d, i) + half*accel(1 + (i - 1)*step_p + (d - 1)*step_d)
+            u(d) = v(d, i) + half*accel(1 + (i - 1)*stride_p + (d - 1)*stride_d)
             if (at(d) < region(d, 1) .or. at(d) > region(d, 2)) outside = .true.
             total(1 + d) = total(1 + d) + m*at(d)
             total(4 + d) = total(4 + d) + m*u(d)
@@ -105,11 +105,12 @@ contains
     !> Mass and momentum of a particle at the step; none of one that is gone.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_momentum(p, first, wide, step_d, step_p, half, mass, fixed, v, accel, total)
+    pure subroutine sum_momentum(p, first, wide, stride_d, stride_p, half, mass, fixed, v, accel, &
+    total)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of v
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in accel
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in accel
         real(rk), intent(in) :: half !! half the last step [s]
         real(rk), intent(in) :: mass(*)
         integer(int32), intent(in) :: fixed(*)
@@ -124,7 +125,7 @@ contains
         total(1) = total(1) + m
         do d = 1, 3
             total(1 + d) = total(1 + d) &
-                + m*(v(d, i) + half*accel(1 + (i - 1)*step_p + (d - 1)*step_d))
+                + m*(v(d, i) + half*accel(1 + (i - 1)*stride_p + (d - 1)*stride_d))
         end do
     end subroutine sum_momentum
 
@@ -132,11 +133,12 @@ contains
     !> load.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_region(p, first, region, step_d, step_p, loaded, fixed, load, grip, total)
+    pure subroutine sum_region(p, first, region, stride_d, stride_p, loaded, fixed, load, grip, &
+    total)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: region !! the motion
-        integer, intent(in) :: step_d, step_p !! distances of directions and particles in forces
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in forces
         integer, intent(in) :: loaded !! 1: `load` is there
         integer(int32), intent(in) :: fixed(*)
         real(rk), intent(in) :: load(*), grip(*) !! [N]
@@ -147,7 +149,7 @@ contains
         if (.not. is_driven(fixed(i), region)) return
         do d = 1, 3
             if (.not. is_kept(fixed(i), d)) cycle
-            at = 1 + (i - 1)*step_p + (d - 1)*step_d
+            at = 1 + (i - 1)*stride_p + (d - 1)*stride_d
             total(d) = total(d) + grip(at)
             if (loaded == 1) total(3 + d) = total(3 + d) + load(at)
         end do

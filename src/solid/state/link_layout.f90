@@ -18,7 +18,7 @@ module brz_link_layout
         integer :: bodies, dimension
         integer :: holds !! 1: some body has the tensile control
         integer :: wide !! rows of positions and velocities
-        integer :: step_c, step_p !! distances in `stress` of components, of particles
+        integer :: step_c, stride_p !! distances in `stress` of components, of particles
         integer :: step_f !! distance of particles in `face`; its numbers are step_c apart
         integer :: step_v !! distance of volumes
         integer :: compact !! 1: lists and sums of contact are those of rows; 0: of particles
@@ -42,7 +42,7 @@ contains
         lay%holds = given%holds
         lay%wide = 4
         lay%step_c = given%step_c
-        lay%step_p = 1
+        lay%stride_p = 1
         lay%step_f = 1
         lay%step_v = 4
         lay%compact = 0

@@ -108,7 +108,7 @@ module brz_solid_device
         type(doubles_t) :: region_at, wants !! small tables: these; the ways to need a ghost
         type(buffer_t) :: k_axes
         ! parts of these arrays as items have them, under the names of solid_t
-        integer :: wide = 4, step_d = 0, step_p = 1, step_t = 1
+        integer :: wide = 4, stride_d = 0, stride_p = 1, stride_t = 1
         type(doubles_t) :: x, x_ref, x_built, work, contact_heat
         type(reals_t) :: v, v_before, volume, a, load, face_stress, grip, mass, mu, energy
         type(reals_t) :: damage, stress, pair, owed

@@ -27,8 +27,8 @@ module brz_solid_state
         type(solid_part_t) :: part !! what this one has to do with others
         integer :: n = 0 !! particles, with the ghosts of those of other processes
         integer :: wide = 3 !! rows of x and v; on a GPU there are four
-        integer :: step_d = 1, step_p = 3 !! distances in `load` of directions, of particles
-        integer :: step_t = 6 !! distance of particles in `face_stress`
+        integer :: stride_d = 1, stride_p = 3 !! distances in `load` of directions, of particles
+        integer :: stride_t = 6 !! distance of particles in `face_stress`
         integer :: n_hist = 0 !! history variables kept per particle
         integer :: dimension = 3 !! 3, or 2 (plane strain), or 1
         logical :: mirror(3) = .false. !! symmetry plane through the origin normal to each axis
