@@ -8,7 +8,7 @@ module brz_cell_place
 
 contains
 
-    !> Number of the cell that holds a point, counted from 1 in memory order of a window of the
+    !> Number of the cell that holds a point, counted from 1 in memory order of a halo of the
     !> grid; 0 outside.
     !>
     !> A direction with one cell is not modelled: any coordinate lies in it.
@@ -18,8 +18,8 @@ contains
         real(dp), intent(in) :: lo(3), dx(3) !! low corner of the grid and sides of a cell [m]
         integer, intent(in) :: whole(3) !! cells of the grid
         logical, intent(in) :: wraps(3) !! periodic directions
-        integer, intent(in) :: before(3) !! cells of the grid before the window
-        integer, intent(in) :: n(3) !! cells of the window
+        integer, intent(in) :: before(3) !! cells of the grid before the halo
+        integer, intent(in) :: n(3) !! cells of the halo
         integer(int32) :: c
         real(dp) :: s
         integer :: d, i, stride

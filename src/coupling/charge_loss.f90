@@ -34,7 +34,7 @@ contains
         do m = 1, size(case%charges)
             if (case%charges(m)%start /= '3d') cycle
             if (several(solid%ranks)) then
-                call weigh(case, m, air, coupling%crowd, coupling%guests, coupling, err)
+                call weigh(case, m, air, coupling%ghost_bodies, coupling%ghosts, coupling, err)
             else
                 call weigh(case, m, air, solid, solid, coupling, err)
             end if

@@ -3,7 +3,7 @@
 !> the CPU and for the GPU.
 !>
 !> Cells go by their number in memory order, ghosts left out, or by their place in the arrays of
-!> the air. On several processes the box is a window of the grid: the cells of this process, and
+!> the air. On several processes the box is a halo of the grid: the cells of this process, and
 !> those of others around them.
 module brz_coupling_box
     use brz_air_grid, only: grid_t, place_of
@@ -22,8 +22,8 @@ module brz_coupling_box
     type :: box_t
         integer :: n(3) !! cells
         integer :: whole(3) !! cells of the grid
-        integer :: before(3) !! cells of the grid before the window
-        integer :: own(3, 2) !! first and last cell of this process, as the window counts
+        integer :: before(3) !! cells of the grid before the halo
+        integer :: own(3, 2) !! first and last cell of this process, as the halo counts
         integer :: cells !! their product
         integer :: n_var !! conserved variables
         integer :: layers !! solid cells behind the first that a face may load

@@ -14,12 +14,12 @@ module brz_coupling_copy
     use brz_device_data, only: enter_bytes, enter_data, update_device, update_host
     use brz_errors, only: error_t, failed
     use brz_event_steps, only: put_up_walls
-    use brz_guest_steps, only: invite_guests
+    use brz_coupling_ghost_steps, only: renew_coupling_ghosts
     use brz_kinds, only: dp, int32, int64, rk
     use brz_load_loops, only: for_each_wall_speed
     use brz_present_table, only: attach, buffer_of
     use brz_ranks, only: agree, several
-    use brz_shared_steps, only: put_windows
+    use brz_shared_steps, only: put_halos
     use brz_snapshots, only: snapshot_t
     use brz_solid_state, only: solid_t
     use brz_tallies, only: tally_threads
@@ -47,9 +47,9 @@ contains
         c%wall%n_cells = 0
         if (several(air%part%ranks)) then
             call open_windows_of_gpus(air, c, err)
-            call put_windows(c, err)
-            call invite_guests(solid, c, err)
-            call begin_walls(air, c%guests, c, err)
+            call put_halos(c, err)
+            call renew_coupling_ghosts(solid, c, err)
+            call begin_walls(air, c%ghosts, c, err)
         else
             call begin_walls(air, solid, c, err)
         end if

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> What the coupling has on a GPU besides the arrays of coupling_t: diagnostics that its threads
-!> keep, and who exchanges windows of the air.
+!> keep, and who exchanges halos of the air.
 module brz_coupling_device
     use brz_buffers, only: doubles_t, from
     use brz_gpu_fetch, only: gpu_fetch_t
@@ -23,7 +23,7 @@ module brz_coupling_device
         logical :: walls_fetched = .false. !! no cell has changed hands since the last fetch
         type(doubles_t) :: diag !! (tally_threads, n_diag) see coupling_diagnostics_t
         type(doubles_t) :: speed !! (tally_threads) of the fastest wall [1/s]
-        type(gpu_fetch_t) :: window !! gas and cell stores of other processes
+        type(gpu_fetch_t) :: coupling_halo !! gas and cell stores of other processes
     end type coupling_device_t
 
 contains

@@ -2,8 +2,8 @@
 !> What the coupling of one process has to do with the others where several share air and bodies.
 !>
 !> Cells and faces belong to the process in whose box of the air they are, particles to the process
-!> that steps them. A process sees a window of the grid, its box and some layers around it, and gets
-!> copies of all particles in it: its guests. So everything but what steps the bodies goes by cells,
+!> that steps them. A process sees a halo of the grid, its box and some layers around it, and gets
+!> copies of all particles in it: its ghosts. So everything but what steps the bodies goes by cells,
 !> and what is beside the box is computed twice, from the same numbers.
 module brz_coupling_part
     use brz_boxes, only: cells_t
@@ -16,7 +16,7 @@ module brz_coupling_part
     private
     public :: coupling_part_t, listing_t, introduce, list_now, may_have_come
 
-    !> How far bodies had come when guests were listed.
+    !> How far bodies had come when ghosts were listed.
     type :: listing_t
         integer(int64) :: rebuilds = -1 !! of the bodies' lists
         real(dp), allocatable :: drift(:, :) !! (3, bodies) see brz_list_drift [m]
@@ -24,13 +24,13 @@ module brz_coupling_part
 
     type :: coupling_part_t
         type(cells_t), allocatable :: boxes(:) !! (0:processes-1) cells of the grid that each has
-        type(cells_t), allocatable :: windows(:) !! likewise that each sees
-        type(cells_t), allocatable :: near(:) !! likewise windows and a layer around
-        integer(int32), allocatable :: windows_at(:), boxes_at(:), near_at(:) !! as items have them
-        integer(int64) :: rebuilds = -1 !! of the bodies' lists when guests were listed
+        type(cells_t), allocatable :: halos(:) !! likewise that each sees
+        type(cells_t), allocatable :: near(:) !! likewise halos and a layer around
+        integer(int32), allocatable :: halos_at(:), boxes_at(:), near_at(:) !! as items have them
+        integer(int64) :: rebuilds = -1 !! of the bodies' lists when ghosts were listed
         type(courier_t) :: parcels
-        ! guests: particles of this process near windows, its own as well
-        type(parcels_t) :: out, in !! their places; those of the guests that came
+        ! ghosts: particles of this process near halos, its own as well
+        type(parcels_t) :: out, in !! their places; those of the ghosts that came
         type(parcels_t) :: home !! 1, 2, 3, ... for what comes back
         type(marks_t) :: listed !! which particles those are
         type(listing_t) :: since
@@ -48,19 +48,19 @@ module brz_coupling_part
 contains
 
     !> What the coupling must know of the bodies as a whole.
-    subroutine introduce(solid, guests)
+    subroutine introduce(solid, copies)
         class(solid_t), intent(in) :: solid
-        type(solid_t), intent(inout) :: guests
+        type(solid_t), intent(inout) :: copies
         integer :: b
 
-        guests%time = solid%time
+        copies%time = solid%time
         do b = 1, size(solid%bodies)
-            guests%bodies(b)%rigid = solid%bodies(b)%rigid
-            guests%bodies(b)%asleep = solid%bodies(b)%asleep
+            copies%bodies(b)%rigid = solid%bodies(b)%rigid
+            copies%bodies(b)%asleep = solid%bodies(b)%asleep
         end do
     end subroutine introduce
 
-    !> Guests are listed for the bodies of now.
+    !> Ghosts are listed for the bodies of now.
     pure subroutine list_now(solid, since)
         class(solid_t), intent(in) :: solid
         type(listing_t), intent(inout) :: since
@@ -71,8 +71,8 @@ contains
                               [3, size(solid%bodies)])
     end subroutine list_now
 
-    !> False where no particle can have moved through the layer of cells around a window since
-    !> guests were listed: all lists of neighbours are those of then, so each has moved within its
+    !> False where no particle can have moved through the layer of cells around a halo since
+    !> ghosts were listed: all lists of neighbours are those of then, so each has moved within its
     !> body by half a skin at most before, and now. All processes find the same.
     pure logical function may_have_come(solid, since, whole, dx) result(may)
         class(solid_t), intent(in) :: solid

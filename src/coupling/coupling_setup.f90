@@ -5,24 +5,24 @@ module brz_coupling_setup
     use brz_air_state, only: air_t, bc_periodic, bc_symmetry, bc_wall
     use brz_air_walls, only: set_up_walls
     use brz_air_grid, only: grid_of
-    use brz_air_part, only: window_of
+    use brz_air_part, only: halo_of
     use brz_boxes, only: cells_t
     use brz_case, only: case_t
     use brz_cell_shells, only: make_shells
     use brz_coupling_box, only: box_t
-    use brz_coupling_guests, only: open_windows
+    use brz_coupling_ghosts, only: open_halos
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: move_walls
-    use brz_coupling_windows, only: see_window
+    use brz_coupling_windows, only: see_halo
     use brz_deferred_source_steps, only: enter_deferred_sources, size_deferred_sources
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_event_steps, only: put_up_walls
     use brz_face_stress, only: spread_shares
-    use brz_guest_steps, only: invite_guests
+    use brz_coupling_ghost_steps, only: renew_coupling_ghosts
     use brz_kinds, only: dp, int32, rk
     use brz_positivity, only: floors_of
     use brz_ranks, only: several
-    use brz_shared_steps, only: put_windows
+    use brz_shared_steps, only: put_halos
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -78,11 +78,11 @@ contains
         coupling%wall%lo = 1 - (air%before - coupling%box%before)
         coupling%wall%hi = coupling%wall%lo + n - 1
         if (several(solid%ranks)) then
-            call open_windows(air, solid, coupling)
-            call put_windows(coupling, none)
+            call open_halos(air, solid, coupling)
+            call put_halos(coupling, none)
             call restart_coupling(air, solid, coupling)
-            call empty_walls(air, coupling%guests, coupling)
-            call see_window(air, coupling, .false., none)
+            call empty_walls(air, coupling%ghosts, coupling)
+            call see_halo(air, coupling, .false., none)
         else
             allocate (coupling%cell_of(solid%n), coupling%place_of(solid%n), &
                       coupling%binned(solid%n))
@@ -106,27 +106,27 @@ contains
         end do
     end subroutine empty_walls
 
-    !> The box of the air as the loops see it: of several processes the window of this one.
+    !> The box of the air as the loops see it: of several processes the halo of this one.
     subroutine make_box(air, coupling)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
-        type(cells_t) :: window
+        type(cells_t) :: halo
 
-        window = cells_t([1, 1, 1], air%n)
+        halo = cells_t([1, 1, 1], air%n)
         coupling%box%whole = air%n
         if (several(air%part%ranks)) then
-            window = window_of(air%part, air%part%ranks%rank, air%whole, air%around)
+            halo = halo_of(air%part, air%part%ranks%rank, air%whole, air%around)
             coupling%box%whole = air%whole
         end if
-        coupling%box%n = window%hi - window%lo + 1
-        coupling%box%before = window%lo - 1
+        coupling%box%n = halo%hi - halo%lo + 1
+        coupling%box%before = halo%lo - 1
         coupling%box%own(:, 1) = air%before - coupling%box%before + 1
         coupling%box%own(:, 2) = air%before - coupling%box%before + air%n
         coupling%box%cells = product(coupling%box%n)
         coupling%box%n_var = air%n_var
         coupling%box%layers = ceiling(coupling%spread)
-        call find_ends(air%outer == bc_wall, window, coupling%box%whole, coupling%box%closed)
-        call find_ends(air%outer == bc_symmetry, window, coupling%box%whole, coupling%box%mirrors)
+        call find_ends(air%outer == bc_wall, halo, coupling%box%whole, coupling%box%closed)
+        call find_ends(air%outer == bc_symmetry, halo, coupling%box%whole, coupling%box%mirrors)
         coupling%box%wraps = coupling%wraps
         coupling%box%floors = floors_of(.true., air%scheme%gamma, air%rho_rest, air%p_rest)
         coupling%box%spread = coupling%spread
@@ -136,7 +136,7 @@ contains
         coupling%box%area = product(air%dx)/air%dx
         coupling%box%grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
         coupling%box%grid%n = coupling%box%n
-        coupling%box%grid%g = air%g - (air%before - coupling%box%before) ! cell 1 of the window
+        coupling%box%grid%g = air%g - (air%before - coupling%box%before) ! cell 1 of the halo
     end subroutine make_box
 
     !> The lattices of bodies under the faces of the air.
@@ -167,15 +167,15 @@ contains
         end do
     end subroutine lay_layers
 
-    !> Ends of a window that are ends of a kind of the grid, in the directions that are modelled.
-    pure subroutine find_ends(outer, window, whole, ends)
+    !> Ends of a halo that are ends of a kind of the grid, in the directions that are modelled.
+    pure subroutine find_ends(outer, halo, whole, ends)
         logical, intent(in) :: outer(2, 3) !! ends of the grid
-        type(cells_t), intent(in) :: window
+        type(cells_t), intent(in) :: halo
         integer, intent(in) :: whole(3) !! cells of the grid
         logical, intent(out) :: ends(2, 3)
 
-        ends(1, :) = outer(1, :) .and. window%lo == 1 .and. whole > 1
-        ends(2, :) = outer(2, :) .and. window%hi == whole .and. whole > 1
+        ends(1, :) = outer(1, :) .and. halo%lo == 1 .and. whole > 1
+        ends(2, :) = outer(2, :) .and. halo%hi == whole .and. whole > 1
     end subroutine find_ends
 
     !> Part of a surface cell that its particles do not fill: its gas is where the cell store
@@ -210,9 +210,9 @@ contains
 
         if (several(solid%ranks)) then
             coupling%part%rebuilds = -1 ! none are listed
-            call invite_guests(solid, coupling, none)
-            call see_window(air, coupling, .false., none)
-            call begin_walls(air, coupling%crowd, coupling%guests, coupling)
+            call renew_coupling_ghosts(solid, coupling, none)
+            call see_halo(air, coupling, .false., none)
+            call begin_walls(air, coupling%ghost_bodies, coupling%ghosts, coupling)
         else
             call begin_walls(air, solid, solid, coupling)
         end if

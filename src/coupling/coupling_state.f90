@@ -62,8 +62,8 @@ module brz_coupling_state
         integer(int8), allocatable :: mark(:, :, :) !! (cells of the box) map being built; then the
                                                     !! donors
         ! several processes: what this one sees of the bodies, and what it has to do with others
-        type(solid_t), allocatable :: guests !! copies of the particles near the cells of the box
-        type(solid_t) :: crowd !! their bodies
+        type(solid_t), allocatable :: ghosts !! copies of the particles near the cells of the box
+        type(solid_t) :: ghost_bodies !! their bodies
         type(coupling_part_t) :: part
         ! particles by air cell
         integer(int32), allocatable :: cell_of(:) !! (particles) number of the air cell, 0: outside

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The coupling halo of processes: gas and cell stores of others in the window of the air that each
+!> The coupling halo of processes: gas and cell stores of others in the halo of the air that each
 !> one sees. GPUs fetch of it what lies around walls.
 module brz_coupling_windows
     use brz_air_state, only: air_t
@@ -11,8 +11,8 @@ module brz_coupling_windows
     use brz_device, only: clear_buffer, copy_in, reserve_buffer
     use brz_errors, only: error_t
     use brz_fetch, only: fetch, fetch_t
-    use brz_guest_items, only: always_near, block_at, blocks_of
-    use brz_guest_launches, only: guest_kernels
+    use brz_coupling_ghost_items, only: always_near, block_at, blocks_of
+    use brz_coupling_ghost_launches, only: coupling_ghost_kernels
     use brz_kinds, only: int64, int8
     use brz_lists, only: put_list
     use brz_places, only: parcels_t
@@ -20,12 +20,12 @@ module brz_coupling_windows
     use brz_record_rules, only: w => words_of_real
     implicit none
     private
-    public :: offer_window, see_window, mark_blocks, open_windows_of_gpus
+    public :: offer_window, see_halo, mark_blocks, open_windows_of_gpus
 
 contains
 
     !> Others may read what they see of this process, once all have met: the first half of
-    !> see_window between GPUs.
+    !> see_halo between GPUs.
     subroutine offer_window(air, c, err)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: c
@@ -34,55 +34,55 @@ contains
         if (c%on_gpu) call c%device%window%offer_reals(air%grid%apart, air%device%u, err)
     end subroutine offer_window
 
-    !> Bring the gas and the cell stores in the window of this process up to date.
-    subroutine see_window(air, c, met, err)
+    !> Bring the gas and the cell stores in the halo of this process up to date.
+    subroutine see_halo(air, c, met, err)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: c
         logical, intent(in) :: met !! all have met since offer_window
         type(error_t), intent(inout) :: err
 
         if (.not. c%on_gpu) then
-            call fetch(air%part%ranks, air%part%window, air%n_var, air%before + 1 - air%g, &
+            call fetch(air%part%ranks, air%part%coupling_halo, air%n_var, air%before + 1 - air%g, &
                        air%before + air%n + air%g, air%u)
         else if (met) then
             call c%device%window%take_reals(air%grid%apart, air%device%u, .true., err)
         else
             call c%device%window%reals_of_others(air%grid%apart, air%device%u, err)
         end if
-    end subroutine see_window
+    end subroutine see_halo
 
-    !> Get ready to speak between GPUs with the other processes, whose windows are known. No guests
+    !> Get ready to speak between GPUs with the other processes, whose halos are known. No ghosts
     !> are listed then.
     subroutine open_windows_of_gpus(air, c, err)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
-        integer, parameter :: most = 6 + 10*w + 2 !! words of a guest
+        integer, parameter :: most = 6 + 10*w + 2 !! words of a ghost
         type(coupling_part_t) :: part
         type(parcels_t) :: nothing
         type(cells_t) :: held
 
         part%boxes = c%part%boxes
-        part%windows = c%part%windows
+        part%halos = c%part%halos
         part%near = c%part%near
         part%parcels%ranks = air%part%ranks
         part%parcels%on_gpu = .true.
         c%part = part
-        deallocate (c%guests)
-        allocate (c%guests, source=c%crowd)
-        c%guests%on_gpu = .true.
-        c%guests%wide = 4
-        c%guests%stride_p = 1
-        c%guests%stride_t = 1
+        deallocate (c%ghosts)
+        allocate (c%ghosts, source=c%ghost_bodies)
+        c%ghosts%on_gpu = .true.
+        c%ghosts%wide = 4
+        c%ghosts%stride_p = 1
+        c%ghosts%stride_t = 1
         held = cells_t(air%before + 1 - air%g, air%before + air%n + air%g)
-        call c%device%window%open(air%part%ranks, air%part%window, held, air%n_var, err)
-        if (.not. any(c%box%wraps)) call map_blocks(c, air%part%window, held, err)
+        call c%device%window%open(air%part%ranks, air%part%coupling_halo, held, air%n_var, err)
+        if (.not. any(c%box%wraps)) call map_blocks(c, air%part%coupling_halo, held, err)
         allocate (nothing%place(0), nothing%first(0:air%part%ranks%n))
         nothing%first = 1
         call c%part%parcels%device%open(air%part%ranks, nothing, nothing, max(most, 1 + 6*w), err)
     end subroutine open_windows_of_gpus
 
-    !> Of the window what lies around walls is fetched, and three layers around the box for gauges:
+    !> Of the halo what lies around walls is fetched, and three layers around the box for gauges:
     !> say in which block of the map that mark_blocks keeps each cell is.
     subroutine map_blocks(c, plan, held, err)
         type(coupling_t), intent(inout) :: c
@@ -132,8 +132,8 @@ contains
             if (any(c%box%wraps)) return
             call clear_buffer(near, err)
             call copy_in([1_int8], near, 1_int64, err) ! always_near
-            if (c%wall%n_cells > 0) call guest_kernels%mark_around(c%wall%n_cells, &
-                size(part%windows), integers_t(address=on_device(part%windows_at)), c%box, &
+            if (c%wall%n_cells > 0) call coupling_ghost_kernels%mark_around(c%wall%n_cells, &
+                size(part%halos), integers_t(address=on_device(part%halos_at)), c%box, &
                 integers_t(address=on_device(c%cell)), near, err)
         end associate
     end subroutine mark_blocks

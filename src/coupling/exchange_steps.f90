@@ -6,10 +6,10 @@ module brz_exchange_steps
     use brz_carrier_steps, only: sum_loads
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: find_velocities
-    use brz_coupling_windows, only: offer_window, see_window
+    use brz_coupling_windows, only: offer_window, see_halo
     use brz_errors, only: error_t
     use brz_event_steps, only: move_on
-    use brz_guest_steps, only: invite_guests, send_loads_home
+    use brz_coupling_ghost_steps, only: renew_coupling_ghosts, send_loads_home
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least, clear_list, read_first
     use brz_load_loops, only: for_each_feel_load
@@ -26,7 +26,7 @@ module brz_exchange_steps
 contains
 
     !> Velocities of the walls in the middle of the coming step, from the particles in the solid
-    !> cells. On several processes `crowd` has the bodies of the guests.
+    !> cells. On several processes `crowd` has the bodies of the ghosts.
     subroutine set_wall_velocity(air, solid, c, dt, err)
         type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid
@@ -35,8 +35,8 @@ contains
         type(error_t), intent(inout) :: err !! exit_device where a GPU fails, as everywhere here
 
         if (several(solid%ranks)) then
-            associate (before => c%guests%v_before, seat => c%part%seat)
-                call find_velocities(air, c%crowd, c%guests, c, dt, before, seat, err)
+            associate (before => c%ghosts%v_before, seat => c%part%seat)
+                call find_velocities(air, c%ghost_bodies, c%ghosts, c, dt, before, seat, err)
             end associate
         else
             call find_velocities(air, solid, solid, c, dt, c%v_before, solid%id, err)
@@ -56,12 +56,12 @@ contains
         type(error_t), intent(inout) :: err
 
         if (several(solid%ranks)) then
-            ! the guests keep theirs when they are renewed
+            ! the ghosts keep theirs when they are renewed
             call for_each_keep_velocity(c%on_gpu, solid%n, solid%wide, solid%stride_d, &
                                         solid%stride_p, solid%v, c%part%seat, solid%v_before, err)
             call share_impulses(c, err)
-            call press_bodies(c%guests, c, dt, err)
-            call stress_faces(solid, c%guests, c, err)
+            call press_bodies(c%ghosts, c, dt, err)
+            call stress_faces(solid, c%ghosts, c, err)
             call send_loads_home(solid, c, err)
         else
             call press_bodies(solid, c, dt, err)
@@ -96,7 +96,7 @@ contains
         integer(int64) :: all_felt(size(solid%bodies))
 
         if (several(solid%ranks)) then
-            call feel_loads(solid, c%guests, c, dt, felt, err)
+            call feel_loads(solid, c%ghosts, c, dt, felt, err)
         else
             call feel_loads(solid, solid, c, dt, felt, err)
         end if
@@ -139,11 +139,11 @@ contains
 
         if (several(solid%ranks)) then
             call offer_window(air, c, err)
-            call invite_guests(solid, c, err) ! where all meet
-            call see_window(air, c, .true., err)
+            call renew_coupling_ghosts(solid, c, err) ! where all meet
+            call see_halo(air, c, .true., err)
             call share_deferred_sources(c, err)
-            call move_on(air, c%crowd, c%guests, c, err)
-            call see_window(air, c, .false., err)
+            call move_on(air, c%ghost_bodies, c%ghosts, c, err)
+            call see_halo(air, c, .false., err)
         else
             call move_on(air, solid, solid, c, err)
         end if

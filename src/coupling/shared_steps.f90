@@ -9,7 +9,7 @@ module brz_shared_steps
     use brz_deferred_source_steps, only: enter_deferred_sources, keep_own, size_deferred_sources, &
         size_next
     use brz_errors, only: error_t
-    use brz_guest_loops, only: for_each_mark_cells, for_each_renumber
+    use brz_coupling_ghost_loops, only: for_each_mark_cells, for_each_renumber
     use brz_kinds, only: int32, int64
     use brz_lists, only: put_list
     use brz_mail, only: tell_all
@@ -19,20 +19,20 @@ module brz_shared_steps
     use brz_send_lists, only: count_marks, list_marks, place_pieces, reserve_marks
     implicit none
     private
-    public :: put_windows, list_shared_faces, share_impulses, share_deferred_sources
+    public :: put_halos, list_shared_faces, share_impulses, share_deferred_sources
 
 contains
 
-    !> What items are told of the windows of all processes, of their boxes, and of windows with a
+    !> What items are told of the halos of all processes, of their boxes, and of halos with a
     !> layer around.
-    subroutine put_windows(c, err)
+    subroutine put_halos(c, err)
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
-        call put_list(c%on_gpu, asks_of(c%part%windows), c%part%windows_at, err)
+        call put_list(c%on_gpu, asks_of(c%part%halos), c%part%halos_at, err)
         call put_list(c%on_gpu, asks_of(c%part%boxes), c%part%boxes_at, err)
         call put_list(c%on_gpu, asks_of(c%part%near), c%part%near_at, err)
-    end subroutine put_windows
+    end subroutine put_halos
 
     !> List the faces whose gas is in the box of one process and whose columns may reach into that
     !> of another, in the order of the grid: so both list the same.
@@ -58,7 +58,7 @@ contains
     subroutine list_cells(c, n, cell, boxes, marks, list, err)
         type(coupling_t), intent(in) :: c
         integer, intent(in) :: n
-        integer(int32), intent(in) :: cell(:) !! (n) numbers of cells in the window
+        integer(int32), intent(in) :: cell(:) !! (n) numbers of cells in the halo
         type(cells_t), intent(in) :: boxes(0:) !! (processes) cells of the grid
         type(marks_t), intent(inout) :: marks
         type(parcels_t), intent(inout) :: list
@@ -97,7 +97,7 @@ contains
         associate (part => c%part, n => c%ranks%n)
             out = 0
             call find_firsts(out, part%deferred_out%first)
-            if (c%n_deferred > 0) call list_cells(c, c%n_deferred, c%deferred_cell, part%windows, &
+            if (c%n_deferred > 0) call list_cells(c, c%n_deferred, c%deferred_cell, part%halos, &
                 part%marks, part%deferred_out, err)
             out(1, :) = part%deferred_out%first(1:) - part%deferred_out%first(:n - 1)
             call tell_all(c%ranks, out, all)

@@ -263,7 +263,7 @@ def test_what_bodies_in_air_cannot_do_is_refused(deck, args, reason, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-def test_a_check_counts_the_window_and_what_is_in_it(tmp_path):
+def test_a_check_counts_the_halo_and_what_is_in_it(tmp_path):
     """Ten layers of cells beyond the box, and one more for copies; five of six layers of particles
     lie in both."""
     (tmp_path / "deck.nml").write_text(

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Maps and lists of the cells that hold solid, of a grid or of a window of it. Cells go by their
+!> Maps and lists of the cells that hold solid, of a grid or of a halo of it. Cells go by their
 !> number in memory order, ghosts left out. Wall faces, between gas and solid, are listed by solid
 !> cell, direction, gas below or above.
 module brz_wall_items

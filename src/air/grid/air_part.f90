@@ -13,7 +13,7 @@ module brz_air_part
     use brz_ranks, only: ranks_t, several
     implicit none
     private
-    public :: air_part_t, take_part, box_of, layers_seen, window_of
+    public :: air_part_t, take_part, box_of, layers_seen, halo_of
 
     type :: air_part_t
         type(ranks_t) :: ranks !! the processes that share the grid
@@ -21,7 +21,8 @@ module brz_air_part
         type(fetch_t) :: halo !! the cells as near as a stencil reaches
         type(fetch_t) :: beside !! the cells next to the box
         type(fetch_t) :: bricks !! the bricks as near as a step reaches
-        type(fetch_t) :: window !! the cells as far as the coupling looks, where there are bodies
+        type(fetch_t) :: coupling_halo !! the cells as far as the coupling looks, where there are
+                                       !! bodies
         integer(int8), allocatable :: reached(:, :, :), awake(:, :, :)
         !! the maps of bricks, with those of others that are near
         integer(int64), allocatable :: own(:) !! place of each brick of this process there
@@ -59,7 +60,7 @@ contains
         call plan(part%boxes, n, layers, n_var, part%halo)
         call plan(part%boxes, n, min(layers, 1), 1, part%beside)
         call plan(bricks, all_bricks, near, 1, part%bricks)
-        if (around > 0) call plan(part%boxes, n, merge(around, 0, n > 1), n_var, part%window)
+        if (around > 0) call plan(part%boxes, n, merge(around, 0, n > 1), n_var, part%coupling_halo)
         call make_map(part%bricks%whole, part%reached)
         call make_map(part%bricks%whole, part%awake)
         part%own = places_in(part%bricks%whole, bricks(part%ranks%rank))
@@ -96,16 +97,16 @@ contains
 
     !> The cells that the coupling of a process sees: its box and the layers around, not beyond the
     !> grid. A direction that is not cut is whole.
-    pure type(cells_t) function window_of(part, rank, n, around) result(window)
+    pure type(cells_t) function halo_of(part, rank, n, around) result(halo)
         type(air_part_t), intent(in) :: part
         integer, intent(in) :: rank !! process
         integer, intent(in) :: n(3) !! cells of the whole grid
         integer, intent(in) :: around
 
-        window = widened(part%boxes(rank), [around, around, around])
-        window%lo = max(window%lo, 1)
-        window%hi = min(window%hi, n)
-    end function window_of
+        halo = widened(part%boxes(rank), [around, around, around])
+        halo%lo = max(halo%lo, 1)
+        halo%hi = min(halo%hi, n)
+    end function halo_of
 
     subroutine make_map(box, map)
         type(cells_t), intent(in) :: box

@@ -87,7 +87,7 @@ contains
     end subroutine cut_air
 
     !> Directions of the air that are not cut: with bodies in it those that are periodic, as the
-    !> window of a process has no cells beyond the ends of the grid.
+    !> halo of a process has no cells beyond the ends of the grid.
     pure function uncut(case)
         type(case_t), intent(in) :: case
         logical :: uncut(3)
@@ -107,7 +107,7 @@ contains
         if (n < 2 .or. .not. case%air%present) return
         boxes = size_of%boxes
         layers = merge(n_ghost, 0, case%air%cells > 1)
-        if (size(case%bodies) > 0) & ! the window
+        if (size(case%bodies) > 0) & ! the halo
             layers = merge(layers_seen(case%coupling%spread), 0, case%air%cells > 1)
         write (output_unit, '(a, i0, a, f0.3, a)') 'processes    ', n, &
             ', the largest box over the mean ', maxval(real(cells_of(boxes), dp))*n/size_of%cells
@@ -130,7 +130,7 @@ contains
         type(solid_t), intent(inout) :: solid !! built
         integer, intent(in) :: n !! processes
         real(dp) :: region(3, 2, 0:n - 1)
-        integer :: ghosts(0:n - 1), guests(0:n - 1), own(0:n - 1), r
+        integer :: ghosts(0:n - 1), copies(0:n - 1), own(0:n - 1), r
 
         if (n < 2 .or. .not. solid%present) return
         call cut_regions(solid%ranks, solid%x_built(:, :solid%n), region)
@@ -143,39 +143,39 @@ contains
                 1e-6_dp*bytes_per_particle(solid)*(own(r) + ghosts(r)), ' MB'
         end do
         if (.not. case%air%present) return
-        call count_guests(case, size_of%boxes, solid, guests)
+        call count_coupling_ghosts(case, size_of%boxes, solid, copies)
         do r = 0, n - 1
-            write (output_unit, '(a, i5, a, i0, a)') '     process', r + 1, ': ', guests(r), &
+            write (output_unit, '(a, i5, a, i0, a)') '     process', r + 1, ': ', copies(r), &
                 ' particles in its window of the air and a cell around, copies'
         end do
     end subroutine print_regions
 
-    !> Particles in the window of each process and one layer of cells around.
-    subroutine count_guests(case, boxes, solid, guests)
+    !> Particles in the halo of each process and one layer of cells around.
+    subroutine count_coupling_ghosts(case, boxes, solid, copies)
         type(case_t), intent(in) :: case
         type(cells_t), intent(in) :: boxes(0:) !! (processes)
         type(solid_t), intent(in) :: solid
-        integer, intent(out) :: guests(0:) !! (processes)
-        type(cells_t) :: windows(0:ubound(guests, 1))
+        integer, intent(out) :: copies(0:) !! (processes)
+        type(cells_t) :: halos(0:ubound(copies, 1))
         integer :: b, cell(3), i, r
 
-        do r = 0, ubound(guests, 1)
-            windows(r) = widened(boxes(r), spread(layers_seen(case%coupling%spread), 1, 3))
-            windows(r) = common(windows(r), cells_t([1, 1, 1], case%air%cells))
-            windows(r) = widened(windows(r), [1, 1, 1])
+        do r = 0, ubound(copies, 1)
+            halos(r) = widened(boxes(r), spread(layers_seen(case%coupling%spread), 1, 3))
+            halos(r) = common(halos(r), cells_t([1, 1, 1], case%air%cells))
+            halos(r) = widened(halos(r), [1, 1, 1])
         end do
-        guests = 0
+        copies = 0
         do b = 1, size(solid%bodies)
             do i = solid%bodies(b)%first, solid%bodies(b)%last
                 cell = merge(floor((solid%x(:, i) - case%air%lo)*case%air%cells &
                                    /(case%air%hi - case%air%lo)) + 1, 1, case%air%cells > 1)
-                do r = 0, ubound(guests, 1)
-                    if (all(cell >= windows(r)%lo .and. cell <= windows(r)%hi)) &
-                        guests(r) = guests(r) + 1
+                do r = 0, ubound(copies, 1)
+                    if (all(cell >= halos(r)%lo .and. cell <= halos(r)%hi)) &
+                        copies(r) = copies(r) + 1
                 end do
             end do
         end do
-    end subroutine count_guests
+    end subroutine count_coupling_ghosts
 
     !> Particles in each region, and those of others that its lists may reach or its points of
     !> interfaces see.

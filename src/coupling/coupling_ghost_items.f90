@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> What several processes tell each other of the coupling: who gets which particles, cells and
 !> deferred sources. A process is asked for by a box of cells; marks are a row for each box.
-module brz_guest_items
+module brz_coupling_ghost_items
     use brz_cell_place, only: cell_number
     use brz_cell_shells, only: cell_at, number_of
     use brz_coupling_box, only: box_t
@@ -9,7 +9,7 @@ module brz_guest_items
     use brz_particle_marks, only: is_gone
     implicit none
     private
-    public :: mark_guest, miss_guest, mark_cells, take_load, renumber, mark_around
+    public :: mark_coupling_ghost, miss_coupling_ghost, mark_cells, take_load, renumber, mark_around
     public :: block_at, blocks_of, always_near
 
     integer, parameter :: side = 4 !! cells of a block, more than an event reaches
@@ -21,7 +21,8 @@ contains
     !> beyond the grid.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine mark_guest(i, row, bodies, body, boxes, asks, box, wide, x, fixed, mark)
+    pure subroutine mark_coupling_ghost(i, row, bodies, body, boxes, asks, box, wide, x, fixed, &
+    mark)
         integer, intent(in) :: i !! places
         integer, intent(in) :: row !! marks of a box
         integer, intent(in) :: bodies, boxes
@@ -40,13 +41,13 @@ contains
             if (.not. is_in(asks(1, r), ijk)) cycle
             if (is_listed(bodies, body, i)) mark((r - 1)*row + i) = 1
         end do
-    end subroutine mark_guest
+    end subroutine mark_coupling_ghost
 
     !> Count the particles of bodies that are in a box without being listed for it.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine miss_guest(i, row, bodies, body, boxes, asks, box, wide, x, fixed, listed, &
-                               missed)
+    pure subroutine miss_coupling_ghost(i, row, bodies, body, boxes, asks, box, wide, x, fixed, &
+                               listed, missed)
         integer, intent(in) :: i !! places
         integer, intent(in) :: row !! marks of a box
         integer, intent(in) :: bodies, boxes
@@ -66,7 +67,7 @@ contains
             if (.not. is_in(asks(1, r), ijk)) cycle
             if (is_listed(bodies, body, i)) missed = missed + 1
         end do
-    end subroutine miss_guest
+    end subroutine miss_coupling_ghost
 
     !> True for a particle of one of the bodies: no ghost.
     !@cuf attributes(host,device) &
@@ -192,7 +193,7 @@ contains
         end do
     end subroutine take_load
 
-    !> The number that a cell of one window has in another, which holds it too.
+    !> The number that a cell of one halo has in another, which holds it too.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine renumber(i, here, there, cell, number)
@@ -245,7 +246,7 @@ contains
     pure function block_at(box, r, ijk) result(at)
         type(box_t), intent(in) :: box
         integer, intent(in) :: r !! of the box, from 1
-        integer, intent(in) :: ijk(3) !! as the window counts
+        integer, intent(in) :: ijk(3) !! as the halo counts
         integer :: at, d
 
         at = r - 1
@@ -256,10 +257,10 @@ contains
         at = at + always_near + 1
     end function block_at
 
-    !> Blocks of a window.
+    !> Blocks of a halo.
     pure integer function blocks_of(box)
         type(box_t), intent(in) :: box
 
         blocks_of = product((box%before + box%n - 1)/side - box%before/side + 1)
     end function blocks_of
-end module brz_guest_items
+end module brz_coupling_ghost_items

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> Guests on their way between processes: see brz_guest_steps.
-module brz_coupling_guests
-    use brz_air_part, only: window_of
+!> Ghosts on their way between processes: see brz_coupling_ghost_steps.
+module brz_coupling_ghosts
+    use brz_air_part, only: halo_of
     use brz_air_state, only: air_t
     use brz_boxes, only: widened
     use brz_coupling_state, only: coupling_t
@@ -12,16 +12,16 @@ module brz_coupling_guests
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: open_windows, find_runs, send_guests
+    public :: open_halos, find_runs, send_coupling_ghosts
 
     integer, parameter :: most_runs = 4 !! bodies whose particles are copied one by one
-    integer, parameter :: n_known = 7 !! arrays of a guest
+    integer, parameter :: n_known = 7 !! arrays of a ghost
     integer, parameter :: n_moving = 4 !! those of them that change in a step
 
 contains
 
-    !> The cells that each process sees. No guests are there yet, but the bodies are known.
-    subroutine open_windows(air, solid, coupling)
+    !> The cells that each process sees. No ghosts are there yet, but the bodies are known.
+    subroutine open_halos(air, solid, coupling)
         type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
@@ -29,21 +29,21 @@ contains
 
         associate (part => coupling%part)
             part%boxes = air%part%boxes
-            allocate (part%windows(0:air%part%ranks%n - 1))
-            do r = 0, ubound(part%windows, 1)
-                part%windows(r) = window_of(air%part, r, air%whole, air%around)
+            allocate (part%halos(0:air%part%ranks%n - 1))
+            do r = 0, ubound(part%halos, 1)
+                part%halos(r) = halo_of(air%part, r, air%whole, air%around)
             end do
-            part%near = part%windows ! a particle may move for some steps until it is missed
+            part%near = part%halos ! a particle may move for some steps until it is missed
             do r = 0, ubound(part%near, 1)
                 part%near(r) = widened(part%near(r), [1, 1, 1]) ! beyond the grid, too
             end do
             part%parcels%ranks = air%part%ranks
         end associate
-        coupling%crowd%present = .true.
-        coupling%crowd%ranks = solid%ranks
-        coupling%crowd%bodies = solid%bodies
-        allocate (coupling%guests, source=coupling%crowd)
-    end subroutine open_windows
+        coupling%ghost_bodies%present = .true.
+        coupling%ghost_bodies%ranks = solid%ranks
+        coupling%ghost_bodies%bodies = solid%bodies
+        allocate (coupling%ghosts, source=coupling%ghost_bodies)
+    end subroutine open_halos
 
     !> Where the particles lie that a process has for itself, if these are all of a few bodies: a
     !> GPU copies them as they lie.
@@ -62,7 +62,7 @@ contains
             if (allocated(part%out%run)) deallocate (part%out%run, part%in%run)
             if (count(n > 0) > most_runs .or. any(n > 0 .and. n < whole)) return
             from = solid%bodies%first
-            to = c%guests%bodies%first + int(sum(in(:, :me - 1), 2))
+            to = c%ghosts%bodies%first + int(sum(in(:, :me - 1), 2))
             part%out%run = listed(from)
             part%in%run = listed(to)
         end associate
@@ -79,7 +79,7 @@ contains
     end subroutine find_runs
 
     !> Send what the copies have of their particles.
-    subroutine send_guests(solid, c, all_of_it, err)
+    subroutine send_coupling_ghosts(solid, c, all_of_it, err)
         type(solid_t), intent(in), target :: solid
         type(coupling_t), intent(inout), target :: c
         logical, intent(in) :: all_of_it !! else what changes in a step
@@ -89,11 +89,11 @@ contains
 
         call list_rows(c%on_gpu, solid, rows_of(c%on_gpu, solid%v_before, w, 3, solid%stride_d), &
             from)
-        call list_rows(c%on_gpu, c%guests, rows_of(c%on_gpu, c%guests%v_before, 3*w), to)
+        call list_rows(c%on_gpu, c%ghosts, rows_of(c%on_gpu, c%ghosts%v_before, 3*w), to)
         n = n_moving
         if (all_of_it) n = merge(n_known, n_known + 1, c%on_gpu)
         call c%part%parcels%send(c%part%out, c%part%in, from(:n), to(:n), err)
-    end subroutine send_guests
+    end subroutine send_coupling_ghosts
 
     !> What of a particle its copies have. Walls are emptied before a GPU takes over: it needs no
     !> volumes.
@@ -112,4 +112,4 @@ contains
         rows(7) = rows_of(on_gpu, p%id, 1)
         if (.not. on_gpu) rows(8) = rows_of(.false., p%volume, w)
     end subroutine list_rows
-end module brz_coupling_guests
+end module brz_coupling_ghosts

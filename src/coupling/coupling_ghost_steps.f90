@@ -1,13 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> Copies of particles of all processes for the process in whose window of the air they are, and
+!> Copies of particles of all processes for the process in whose halo of the air they are, and
 !> what goes back: their loads. See brz_coupling_part.
-module brz_guest_steps
+module brz_coupling_ghost_steps
     use brz_carrier_steps, only: sum_shifts
-    use brz_coupling_guests, only: find_runs, send_guests
+    use brz_coupling_ghosts, only: find_runs, send_coupling_ghosts
     use brz_coupling_part, only: introduce, list_now, may_have_come
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t
-    use brz_guest_loops, only: for_each_mark_guest, for_each_miss_guest, for_each_take_load
+    use brz_coupling_ghost_loops, only: for_each_mark_guest, for_each_miss_guest, for_each_take_load
     use brz_kinds, only: int64
     use brz_lists, only: at_least, clear_reals, put_list, room_of
     use brz_mail, only: tell_all
@@ -20,29 +20,29 @@ module brz_guest_steps
     use brz_velocity_loops, only: for_each_keep_velocity
     implicit none
     private
-    public :: invite_guests, send_loads_home
+    public :: renew_coupling_ghosts, send_loads_home
 
 contains
 
-    !> Renew the guests of all processes: their particles have moved. They are listed anew where one
+    !> Renew the ghosts of all processes: their particles have moved. They are listed anew where one
     !> of them is missing, or particles lie elsewhere.
-    subroutine invite_guests(solid, c, err)
+    subroutine renew_coupling_ghosts(solid, c, err)
         type(solid_t), intent(inout) :: solid !! read
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         integer(int64) :: most(1)
         integer :: missed
 
-        call introduce(solid, c%crowd)
+        call introduce(solid, c%ghost_bodies)
         missed = merge(0, 1, c%part%rebuilds == times_laid(solid))
         if (missed == 0) then
             ! as others do when loads come home
-            call for_each_keep_velocity(c%on_gpu, c%guests%n, c%guests%wide, 1, 3, c%guests%v, &
-                                        c%part%seat, c%guests%v_before, err)
-            call send_guests(solid, c, .false., err)
+            call for_each_keep_velocity(c%on_gpu, c%ghosts%n, c%ghosts%wide, 1, 3, c%ghosts%v, &
+                                        c%part%seat, c%ghosts%v_before, err)
+            call send_coupling_ghosts(solid, c, .false., err)
             if (may_have_come(solid, c%part%since, c%box%whole, c%box%dx)) then
                 call for_each_miss_guest(c%on_gpu, solid%n, solid%n, size(solid%bodies), &
-                                         c%part%bodies_at, c%ranks%n, c%part%windows_at, c%box, &
+                                         c%part%bodies_at, c%ranks%n, c%part%halos_at, c%box, &
                                          solid%wide, solid%x, solid%fixed, c%part%listed%mark, &
                                          missed, err)
                 most = missed
@@ -51,14 +51,14 @@ contains
             end if
         end if
         if (missed > 0) then
-            call list_guests(solid, c, err)
-            call send_guests(solid, c, .true., err)
+            call list_coupling_ghosts(solid, c, err)
+            call send_coupling_ghosts(solid, c, .true., err)
             call list_now(solid, c%part%since)
             c%part%rebuilds = times_laid(solid)
-            c%rebuilds = -1 ! a guest's place was another one's
+            c%rebuilds = -1 ! a ghost's place was another one's
         end if
         call sum_shifts(solid, solid, c, err)
-    end subroutine invite_guests
+    end subroutine renew_coupling_ghosts
 
     !> How often particles have got other places.
     pure integer(int64) function times_laid(solid)
@@ -68,8 +68,8 @@ contains
         if (solid%on_gpu) times_laid = solid%device%laid
     end function times_laid
 
-    !> List the particles in the windows and a layer around, and give them places there.
-    subroutine list_guests(solid, c, err)
+    !> List the particles in the halos and a layer around, and give them places there.
+    subroutine list_coupling_ghosts(solid, c, err)
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
@@ -88,7 +88,7 @@ contains
             call tell_all(c%ranks, out, all)
             in = all(:, c%ranks%rank + 1, :)
             call list_marks(c%on_gpu, n, out, part%listed, part%out, err)
-            call seat_guests(c, in, n, allocated(solid%face_stress), err)
+            call seat_coupling_ghosts(c, in, n, allocated(solid%face_stress), err)
             ! on their way home loads of others come in the order of the list
             none = 0
             away = reshape(sum(out, 1), [1, boxes])
@@ -103,10 +103,10 @@ contains
             call part%parcels%aim(sum(all, 1), part%out, err)
             call part%parcels%aim(transpose(sum(all, 1)), part%in, err)
         end associate
-    end subroutine list_guests
+    end subroutine list_coupling_ghosts
 
-    !> Places for the guests, body by body.
-    subroutine seat_guests(c, number, particles, pressed, err)
+    !> Places for the ghosts, body by body.
+    subroutine seat_coupling_ghosts(c, number, particles, pressed, err)
         type(coupling_t), intent(inout) :: c
         integer(int64), intent(in) :: number(:, :) !! (bodies, processes) that come
         integer, intent(in) :: particles !! of this process
@@ -118,12 +118,12 @@ contains
         do b = 1, size(taken)
             taken(b) = n
             n = n + int(sum(number(b, :)))
-            c%guests%bodies(b)%first = taken(b) + 1
-            c%guests%bodies(b)%last = n
-            c%crowd%bodies(b)%first = taken(b) + 1
-            c%crowd%bodies(b)%last = n
+            c%ghosts%bodies(b)%first = taken(b) + 1
+            c%ghosts%bodies(b)%last = n
+            c%ghost_bodies%bodies(b)%first = taken(b) + 1
+            c%ghost_bodies%bodies(b)%last = n
         end do
-        call size_guests(c, n, pressed, err)
+        call size_coupling_ghosts(c, n, pressed, err)
         associate (part => c%part)
             call place_pieces(c%on_gpu, number, taken, part%marks, part%in, err)
             n = max(n, particles)
@@ -133,37 +133,37 @@ contains
             call put_list(c%on_gpu, [n, 0], part%marks%pieces, err)
             call for_each_give_place(c%on_gpu, n, 1, part%marks%pieces, part%seat, err)
         end associate
-    end subroutine seat_guests
+    end subroutine seat_coupling_ghosts
 
-    !> Room for n guests; those that were there are gone.
-    subroutine size_guests(c, n, pressed, err)
+    !> Room for n ghosts; those that were there are gone.
+    subroutine size_coupling_ghosts(c, n, pressed, err)
         type(coupling_t), intent(inout) :: c
         integer, intent(in) :: n
         logical, intent(in) :: pressed !! loads bring a stress to faces
         type(error_t), intent(inout) :: err
 
-        c%guests%n = n
-        if (c%on_gpu) c%guests%stride_d = n
-        call at_least(c%on_gpu, c%guests%x, c%guests%wide, n, err)
-        call at_least(c%on_gpu, c%guests%v, c%guests%wide, n, err)
-        call at_least(c%on_gpu, c%guests%load, 3, n, err)
+        c%ghosts%n = n
+        if (c%on_gpu) c%ghosts%stride_d = n
+        call at_least(c%on_gpu, c%ghosts%x, c%ghosts%wide, n, err)
+        call at_least(c%on_gpu, c%ghosts%v, c%ghosts%wide, n, err)
+        call at_least(c%on_gpu, c%ghosts%load, 3, n, err)
         if (pressed) then
-            call at_least(c%on_gpu, c%guests%face_stress, 6, n, err)
+            call at_least(c%on_gpu, c%ghosts%face_stress, 6, n, err)
             ! of bodies that never have one
-            call clear_reals(c%on_gpu, 6*n, c%guests%face_stress, err)
+            call clear_reals(c%on_gpu, 6*n, c%ghosts%face_stress, err)
         end if
-        call at_least(c%on_gpu, c%guests%v_before, 3, n, err)
-        call at_least(c%on_gpu, c%guests%mass, n, err)
-        if (.not. c%on_gpu) call at_least(.false., c%guests%volume, n, err)
-        call at_least(c%on_gpu, c%guests%id, n, err)
-        call at_least(c%on_gpu, c%guests%fixed, n, err)
+        call at_least(c%on_gpu, c%ghosts%v_before, 3, n, err)
+        call at_least(c%on_gpu, c%ghosts%mass, n, err)
+        if (.not. c%on_gpu) call at_least(.false., c%ghosts%volume, n, err)
+        call at_least(c%on_gpu, c%ghosts%id, n, err)
+        call at_least(c%on_gpu, c%ghosts%fixed, n, err)
         call at_least(c%on_gpu, c%cell_of, n, err)
         call at_least(c%on_gpu, c%place_of, n, err)
         call at_least(c%on_gpu, c%binned, n, err)
-    end subroutine size_guests
+    end subroutine size_coupling_ghosts
 
     !> Give every particle the load that the process found in whose cell it is; none outside. Those
-    !> in the window of their own process have what this found, unless another one says better.
+    !> in the halo of their own process have what this found, unless another one says better.
     subroutine send_loads_home(solid, c, err)
         type(solid_t), intent(inout), target :: solid
         type(coupling_t), intent(inout), target :: c
@@ -174,11 +174,11 @@ contains
 
         n = merge(2, 1, allocated(solid%face_stress))
         places = merge(solid%stride_d, solid%n, c%on_gpu)
-        from(1) = rows_of(c%on_gpu, c%guests%load, w, 3, c%guests%n)
+        from(1) = rows_of(c%on_gpu, c%ghosts%load, w, 3, c%ghosts%n)
         own(1) = rows_of(c%on_gpu, solid%load, w, 3, solid%stride_d)
         to(1) = rows_of(c%on_gpu, c%part%loads, 3*w)
         if (n == 2) then
-            from(2) = rows_of(c%on_gpu, c%guests%face_stress, w, 6, c%guests%n)
+            from(2) = rows_of(c%on_gpu, c%ghosts%face_stress, w, 6, c%ghosts%n)
             own(2) = rows_of(c%on_gpu, solid%face_stress, w, 6, solid%stride_d)
             to(2) = rows_of(c%on_gpu, c%part%stresses, 6*w)
             call clear_reals(c%on_gpu, 6*places, solid%face_stress, err)
@@ -195,4 +195,4 @@ contains
                 part%out%place, 6, part%stresses, p%face_stress, err)
         end associate
     end subroutine send_loads_home
-end module brz_guest_steps
+end module brz_coupling_ghost_steps
