@@ -20,7 +20,7 @@ module brz_coupling_ghost_steps
     use brz_velocity_loops, only: for_each_keep_velocity
     implicit none
     private
-    public :: renew_coupling_ghosts, send_loads_home
+    public :: renew_coupling_ghosts, send_loads_to_owners
 
 contains
 
@@ -164,7 +164,7 @@ contains
 
     !> Give every particle the load that the process found in whose cell it is; none outside. Those
     !> in the halo of their own process have what this found, unless another one says better.
-    subroutine send_loads_home(solid, c, err)
+    subroutine send_loads_to_owners(solid, c, err)
         type(solid_t), intent(inout), target :: solid
         type(coupling_t), intent(inout), target :: c
         type(error_t), intent(inout) :: err
@@ -194,5 +194,5 @@ contains
                 part%boxes_at, c%box, p%wide, p%x, p%fixed, p%stride_d, p%stride_t, &
                 part%out%place, 6, part%stresses, p%face_stress, err)
         end associate
-    end subroutine send_loads_home
+    end subroutine send_loads_to_owners
 end module brz_coupling_ghost_steps

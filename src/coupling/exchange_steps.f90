@@ -9,7 +9,7 @@ module brz_exchange_steps
     use brz_coupling_windows, only: offer_window, see_halo
     use brz_errors, only: error_t
     use brz_event_steps, only: move_on
-    use brz_coupling_ghost_steps, only: renew_coupling_ghosts, send_loads_home
+    use brz_coupling_ghost_steps, only: renew_coupling_ghosts, send_loads_to_owners
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least, clear_list, read_first
     use brz_load_loops, only: for_each_feel_load
@@ -62,7 +62,7 @@ contains
             call share_impulses(c, err)
             call press_bodies(c%ghosts, c, dt, err)
             call stress_faces(solid, c%ghosts, c, err)
-            call send_loads_home(solid, c, err)
+            call send_loads_to_owners(solid, c, err)
         else
             call press_bodies(solid, c, dt, err)
             call stress_faces(solid, solid, c, err)

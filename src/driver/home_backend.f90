@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> What brz_home_steps leaves to each backend: how particles and ghosts travel, and what follows
+!> What brz_owner_steps leaves to each backend: how particles and ghosts travel, and what follows
 !> from their places.
 module brz_home_backend
     use brz_errors, only: error_t
-    use brz_ghost_wants, only: cpu_find_boxes => find_boxes, cpu_find_lowest => find_lowest, homes_of
-    use brz_gpu_solid_home, only: close_diagnostics, gpu_fetch_homes => fetch_homes, &
+    use brz_ghost_wants, only: cpu_find_boxes => find_boxes, cpu_find_lowest => find_lowest, &
+        owners_of
+    use brz_gpu_solid_owner, only: close_diagnostics, gpu_fetch_homes => fetch_homes, &
         gpu_find_boxes => find_boxes, gpu_find_lowest => find_lowest, &
         gpu_list_leaving => list_leaving, gpu_send_away => send_away, &
         gpu_settle_places => settle_places, put_region, put_wants
@@ -13,7 +14,7 @@ module brz_home_backend
     use brz_places, only: parcels_t
     use brz_send_lists, only: join_lists, list_marks, place_pieces
     use brz_solid_ghosts, only: send_ghosts
-    use brz_solid_home, only: cpu_lay_arrays => lay_arrays, cpu_send_away => send_away, &
+    use brz_solid_owner, only: cpu_lay_arrays => lay_arrays, cpu_send_away => send_away, &
         cpu_settle_places => settle_places
     use brz_solid_state, only: solid_t
     implicit none
@@ -60,7 +61,7 @@ contains
         if (solid%on_gpu) then
             call gpu_fetch_homes(solid%device, solid, b, first, last, x, err)
         else
-            associate (home => homes_of(solid, b))
+            associate (home => owners_of(solid, b))
                 x = home(:, first:last)
             end associate
         end if

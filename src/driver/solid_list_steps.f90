@@ -3,7 +3,7 @@
 module brz_solid_list_steps
     use brz_cohesive_steps, only: place_nodes
     use brz_errors, only: error_t
-    use brz_home_steps, only: go_home, lay_ghosts
+    use brz_owner_steps, only: go_to_owners, lay_ghosts
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: begin_list, decide_part, may_renew
     use brz_ranks, only: several, sum_of_all
@@ -42,7 +42,7 @@ contains
         solid%part%keeps = solid%part%keeps .and. sorted
         whole = .not. solid%bodies%cells%in_part
         if (several(solid%ranks)) whole = anew .and. whole .or. .not. solid%part%keeps
-        if (sorted .and. several(solid%ranks)) call go_home(solid, anew, whole, err)
+        if (sorted .and. several(solid%ranks)) call go_to_owners(solid, anew, whole, err)
         do b = 1, size(anew)
             if (sorted .and. anew(b) .and. whole(b)) call sort_body(solid, b, err)
         end do

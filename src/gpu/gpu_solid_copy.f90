@@ -24,7 +24,7 @@ module brz_gpu_solid_copy
     use brz_solid_arrays, only: cut_blocks, number_groups
     use brz_solid_fields, only: field_t, fields_of, fields_t, in_motion, in_place, in_state, &
         in_tag
-    use brz_solid_home, only: make_room
+    use brz_solid_owner, only: make_room
     use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
     implicit none

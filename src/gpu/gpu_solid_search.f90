@@ -13,13 +13,13 @@ module brz_gpu_solid_search
     use brz_lists, only: put_changed => put_changed_table
     use brz_gpu_parcels, only: carry_rows
     use brz_rows, only: rows_of => rows_of_copy, rows_t
-    use brz_gpu_solid_home, only: put_region
+    use brz_gpu_solid_owner, only: put_region
     use brz_gpu_solid_layout, only: grid_gpu_t
     use brz_gpu_solid_lists, only: lay_lists, move_lists, pick_chosen
     use brz_gpu_solid_state, only: threads_of
     use brz_solid_device, only: body_device_t, solid_device_t, news_all, news_part
     use brz_gpu_solid_diagnostics, only: boxes_of_all, find_extent, forget_gone
-    use brz_home_launches, only: home_kernels
+    use brz_owner_launches, only: owner_kernels
     use brz_kept_cells, only: kept_cells_t
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
@@ -96,7 +96,7 @@ contains
         associate (body => gpu%bodies(b), n => size(solid%search%start))
             if (solid%part%keeps) then
                 call put_region(gpu, solid%part%region, err)
-                call home_kernels%note_outside(body%last - body%first + 1, body%first, 4, &
+                call owner_kernels%note_outside(body%last - body%first + 1, body%first, 4, &
                     solid%ranks%rank, most_outside(solid), gpu%region_at, gpu%built, &
                     from(body%marked, n + 3_int64), err)
             end if

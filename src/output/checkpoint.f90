@@ -29,7 +29,7 @@ module brz_checkpoint
     use brz_ranks, only: agree, ranks_t, several, share_text
     use brz_seal, only: check_seal
     use brz_solid_diagnostics, only: keep_diagnostics_of_first
-    use brz_solid_home, only: hold_all, share_out
+    use brz_solid_owner, only: hold_all, share_out
     use brz_solid_state, only: solid_t
     use brz_together, only: end_bodies, together_t
     use brz_version, only: precision

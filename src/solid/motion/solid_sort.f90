@@ -40,7 +40,7 @@ contains
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         integer(int64), intent(out) :: moved(3)
-        !! particles of this process; 0, as who has changed regions goes home
+        !! particles of this process; 0, as who has changed regions goes to its owner
         integer :: found
 
         found = 0

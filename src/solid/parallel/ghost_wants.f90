@@ -8,7 +8,7 @@
 module brz_ghost_wants
     use brz_cell_grid, only: reach_of_lists
     use brz_formulation_names, only: form_rigid, form_total
-    use brz_home_items, only: near_region
+    use brz_owner_items, only: near_region
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: links_reach, may_link
     use brz_mail, only: tell_all
@@ -18,7 +18,7 @@ module brz_ghost_wants
     use brz_want_rows, only: n_want, want_corners, want_reach
     implicit none
     private
-    public :: find_boxes, find_lowest, has_boxes, homes_of, inhabited, is_needed, most_outside, &
+    public :: find_boxes, find_lowest, has_boxes, owners_of, inhabited, is_needed, most_outside, &
         of_lists, planes_of, tell_boxes, wants_of
 
     real(dp), parameter :: beside = 1.5_dp !! spacings within which neighbours on a lattice are
@@ -26,14 +26,14 @@ module brz_ghost_wants
 contains
 
     !> Places that decide to which process the particles of body b belong.
-    function homes_of(solid, b) result(x)
+    function owners_of(solid, b) result(x)
         type(solid_t), intent(in), target :: solid
         integer, intent(in) :: b
         real(dp), pointer, contiguous :: x(:, :) !! (3, n) [m]
 
         x => solid%x_built
         if (solid%bodies(b)%formulation == form_total) x => solid%x_ref
-    end function homes_of
+    end function owners_of
 
     !> True where a process needs a ghost of particle i of body b, in one of the ways that it has.
     logical function is_needed(solid, want, b, i) result(yes)
@@ -115,7 +115,7 @@ contains
         if (.not. any(solid%mirror)) return
         where (solid%mirror) solid%part%lowest = huge(1.0_dp)
         do b = 1, size(solid%bodies)
-            x => homes_of(solid, b)
+            x => owners_of(solid, b)
             associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)
                 where (solid%mirror) solid%part%lowest = &
                     min(solid%part%lowest, minval(x(:, first:last), 2))

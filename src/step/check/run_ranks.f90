@@ -15,7 +15,7 @@ module brz_run_ranks
     use brz_ranks, only: ranks_t
     use brz_scene_size, only: scene_size_t
     use brz_solid_arrays, only: bytes_per_particle
-    use brz_ghost_wants, only: find_lowest, has_boxes, homes_of, is_needed, wants_of
+    use brz_ghost_wants, only: find_lowest, has_boxes, owners_of, is_needed, wants_of
     use brz_solid_regions, only: cut_regions, region_of
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
@@ -187,7 +187,7 @@ contains
         integer(int32) :: marked(solid%n, 0:ubound(region, 3)) !! 1: needed as a ghost
         integer :: b, home(solid%n), i, r
 
-        call find_homes(solid, region, home)
+        call find_owners(solid, region, home)
         call find_lowest(solid)
         own = [(count(home == r), r=0, ubound(region, 3))]
         marked = 0
@@ -229,7 +229,7 @@ contains
     end subroutine mark_seen
 
     !> The region of each particle, and the boxes of what is in each.
-    subroutine find_homes(solid, region, home)
+    subroutine find_owners(solid, region, home)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: region(:, :, 0:) !! (3, 2, regions) [m]
         integer, intent(out) :: home(:) !! (particles)
@@ -239,7 +239,7 @@ contains
         if (has_boxes(solid)) allocate (solid%part%boxes(3, 2, size(solid%bodies), &
                                                          0:ubound(region, 3)))
         do b = 1, size(solid%bodies)
-            x => homes_of(solid, b)
+            x => owners_of(solid, b)
             do i = solid%bodies(b)%first, solid%bodies(b)%last
                 home(i) = region_of(region, x(:, i))
             end do
@@ -261,5 +261,5 @@ contains
                 end associate
             end do
         end subroutine fill_boxes
-    end subroutine find_homes
+    end subroutine find_owners
 end module brz_run_ranks

@@ -11,7 +11,7 @@ module brz_simulation_setup
     use brz_ranks, only: several
     use brz_setup_progress, only: setup_blast, setup_stage
     use brz_simulation, only: simulation_t
-    use brz_solid_home, only: share_out
+    use brz_solid_owner, only: share_out
     use brz_solid_skin, only: find_skin
     use brz_solid_sleep, only: put_to_sleep, sleep_until_loaded
     use brz_solid_start, only: start_solid

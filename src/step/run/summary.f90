@@ -15,7 +15,7 @@ module brz_summary
     use brz_ranks, only: least_of_all, most_of_all, several, traffic
     use brz_saves, only: on_gpu
     use brz_simulation, only: simulation_t
-    use brz_solid_home, only: all_particles
+    use brz_solid_owner, only: all_particles
     use brz_screen, only: say
     use brz_timer, only: wall_seconds
     implicit none

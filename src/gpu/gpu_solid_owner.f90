@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> Particles on several GPUs when lists are built: what the steps of brz_home_steps need there. The
+!> Particles on several GPUs when lists are built: what the steps of brz_owner_steps need there. The
 !> state does not leave the GPUs.
-module brz_gpu_solid_home
+module brz_gpu_solid_owner
     use brz_buffers, only: doubles_t, from
     use brz_device, only: clear_buffer, copy_in, copy_out, reserve_buffer
     use brz_errors, only: error_t
@@ -12,7 +12,7 @@ module brz_gpu_solid_home
     use brz_gpu_solid_state, only: diag_of
     use brz_solid_device, only: solid_device_t
     use brz_gpu_solid_diagnostics, only: fetch_accounts, find_extent
-    use brz_home_launches, only: home_kernels
+    use brz_owner_launches, only: owner_kernels
     use brz_kinds, only: dp, int64
     use brz_places, only: parcels_t
     use brz_present_table, only: attach
@@ -27,14 +27,14 @@ module brz_gpu_solid_home
 contains
 
     !> Places that decide to which process the particles of body b belong.
-    pure type(doubles_t) function homes_of(gpu, solid, b)
+    pure type(doubles_t) function owners_of(gpu, solid, b)
         type(solid_device_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
 
-        homes_of = gpu%x_built
-        if (solid%bodies(b)%formulation == form_total) homes_of = gpu%x_ref
-    end function homes_of
+        owners_of = gpu%x_built
+        if (solid%bodies(b)%formulation == form_total) owners_of = gpu%x_ref
+    end function owners_of
 
     !> The lowest homes of particles of all processes, where planes of symmetry are; all must call.
     subroutine find_lowest(gpu, solid, err)
@@ -47,7 +47,7 @@ contains
         solid%part%lowest = -huge(1.0_dp)
         if (.not. any(solid%mirror)) return
         do b = 1, size(gpu%bodies)
-            call find_extent(gpu, b, homes_of(gpu, solid, b), err)
+            call find_extent(gpu, b, owners_of(gpu, solid, b), err)
         end do
         call gpu%common%read_boxes(box, err)
         lowest = minval(box(:, 1, :), 2)
@@ -101,7 +101,7 @@ contains
         real(dp), intent(inout), contiguous :: x(:, :) !! (4, last - first + 1) [m]
         type(error_t), intent(inout) :: err
 
-        call copy_out(from(homes_of(gpu, solid, b), 4_int64*first - 3), x, &
+        call copy_out(from(owners_of(gpu, solid, b), 4_int64*first - 3), x, &
                       32_int64*(last - first + 1), err)
     end subroutine fetch_homes
 
@@ -176,7 +176,7 @@ contains
                     call clear_buffer(from(gpu%rate, body%last + 1_int64), err, &
                                       8_int64*(end - body%last))
                     if (.not. solid%links%present) cycle
-                    call home_kernels%put_away(end - body%rim, body%rim + 1, 4, gpu%place, err)
+                    call owner_kernels%put_away(end - body%rim, body%rim + 1, 4, gpu%place, err)
                     call clear_buffer(from(gpu%links%count, body%last + 1_int64), err, &
                                       4_int64*(end - body%last))
                 end associate
@@ -185,4 +185,4 @@ contains
         if (solid%links%present) call put_changed(gpu%bodies%first + gpu%bodies%room - 1, &
                                                   gpu%links%ends_there, gpu%links%ends, err)
     end subroutine settle_places
-end module brz_gpu_solid_home
+end module brz_gpu_solid_owner

@@ -4,8 +4,8 @@
 !> `x_built`, in total-Lagrangian bodies `x_ref`.
 !>
 !> So everything follows from these places, as the lists do: it is the same after a restart, and who
-!> holds what changes no bit. Particles go home (`go_home`), are sorted, and ghosts are laid behind
-!> the particles of each body (`lay_ghosts`).
+!> holds what changes no bit. Particles go home (`go_to_owners`), are sorted, and ghosts are laid
+!> behind the particles of each body (`lay_ghosts`).
 !>
 !> A body of which a GPU builds few lists anew keeps its places: its particles stay where they are,
 !> also outside the region of their process by `margin`, its ghosts too, and only new ones are laid
@@ -15,27 +15,27 @@
 !> come; what is left of both is closed up. Where the room of a body is too small all arrays are
 !> laid anew. The host of a GPU hears how many particles go where, never which they are, but for
 !> those that leave.
-module brz_home_steps
+module brz_owner_steps
     use brz_cohesive_steps, only: mark_glue, note_owners
-    use brz_ghost_wants, only: homes_of, most_outside, of_lists, planes_of, wants_of
+    use brz_ghost_wants, only: owners_of, most_outside, of_lists, planes_of, wants_of
     use brz_errors, only: error_t
     use brz_home_backend, only: change_hands, fetch_homes, find_boxes, find_lowest, lay_arrays, &
         list_leaving, put_region, put_wants, settle_places, swap_ghosts
     use brz_gpu_solid_state, only: note_ranges
-    use brz_home_loops, only: for_each_mark_home, for_each_mark_near
+    use brz_owner_loops, only: for_each_mark_home, for_each_mark_near
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least
     use brz_load_steps, only: mark_facets, note_carriers
     use brz_mail, only: tell_all
     use brz_places, only: parcels_t
-    use brz_solid_home, only: are_even, lacks_room
+    use brz_solid_owner, only: are_even, lacks_room
     use brz_send_lists, only: begin_marks, count_marks
     use brz_solid_places, only: choose_places, lay_rooms
     use brz_solid_regions, only: cut_regions
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: go_home, lay_ghosts
+    public :: go_to_owners, lay_ghosts
 
 contains
 
@@ -43,7 +43,7 @@ contains
     !> anew where they are uneven, unless the body keeps its places: it is then only listed in part.
     !> All processes must call. Other bodies keep their particles, unless regions are cut anew.
     !> Ghosts are dropped but for those of bodies that keep places.
-    subroutine go_home(solid, stale, whole, err)
+    subroutine go_to_owners(solid, stale, whole, err)
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: stale(:) !! (bodies)
         logical, intent(inout) :: whole(:) !! (bodies) which keep no places
@@ -78,7 +78,7 @@ contains
             call change_places(solid, out(:n, :), in, sum(all(:n, :, :), 1), whole, err)
         end associate
         if (solid%on_gpu) call note_ranges(solid%bodies, solid%n, solid%device)
-    end subroutine go_home
+    end subroutine go_to_owners
 
     !> Cut the regions for the places of now.
     subroutine cut_anew(solid, err)
@@ -118,7 +118,7 @@ contains
             associate (there => solid%bodies(b), part => solid%part)
                 call for_each_mark_home(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, &
                     solid%n, solid%ranks%n, solid%ranks%rank, part%region, &
-                    homes_of(solid, b), part%mark, err)
+                    owners_of(solid, b), part%mark, err)
             end associate
         end do
         call count_marks(solid%on_gpu, solid%n, solid%bodies%first, solid%part%marks_t, number, err)
@@ -129,7 +129,7 @@ contains
         type(solid_t), intent(inout) :: solid
         integer(int64), intent(in) :: out(:, :), in(:, :) !! (bodies, processes)
         integer(int64), intent(in) :: all(:, :) !! (to processes, from processes)
-        logical, intent(in) :: whole(:) !! (bodies) see go_home
+        logical, intent(in) :: whole(:) !! (bodies) see go_to_owners
         type(error_t), intent(inout) :: err
         type(parcels_t) :: leaving, coming
 
@@ -235,8 +235,8 @@ contains
             associate (there => solid%bodies(b), part => solid%part)
                 call for_each_mark_near(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, &
                     solid%n, solid%ranks%n, solid%ranks%rank, merge(1, 0, whole(b)), &
-                    planes_of(solid), of_lists(solid, b), size(want, 2), want, homes_of(solid, b), &
-                    solid%x_built, solid%fixed, part%sent, part%mark, err)
+                    planes_of(solid), of_lists(solid, b), size(want, 2), want, &
+                    owners_of(solid, b), solid%x_built, solid%fixed, part%sent, part%mark, err)
             end associate
             call mark_glue(solid, b, err)
         end do
@@ -262,4 +262,4 @@ contains
         end associate
         call lay_arrays(solid, old, err)
     end subroutine give_room
-end module brz_home_steps
+end module brz_owner_steps

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Particles on several processes: shares of them before the first lists are built, and what
-!> brz_home_steps needs on the CPU.
-module brz_solid_home
+!> brz_owner_steps needs on the CPU.
+module brz_solid_owner
     use brz_kinds, only: dp, int64
     use brz_particle_order, only: reorder_particles
     use brz_places, only: parcels_t
@@ -164,4 +164,4 @@ contains
         call cut_blocks(solid)
         solid%loads%rebuilds = -1 ! its places are others now
     end subroutine settle_places
-end module brz_solid_home
+end module brz_solid_owner

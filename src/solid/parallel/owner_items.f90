@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> The owner rank of a particle, its home, and which other processes need it as a ghost.
-module brz_home_items
+!> The owner rank of a particle, and which other processes need it as a ghost.
+module brz_owner_items
     use brz_kinds, only: dp, int32, int64
     use brz_particle_marks, only: is_gone
     use brz_want_rows, only: n_want, want_corners, want_reach
     implicit none
     private
-    public :: home_of, near_region, mark_home, mark_near, note_outside, put_away
+    public :: owner_of, near_region, mark_owner, mark_near, note_outside, put_away
 
     real(dp), parameter :: nothing = 1e-30_dp, nowhere = 1e15_dp !! [m]
 
@@ -14,7 +14,7 @@ contains
 
     !> The region in which a place is, from 0; the last one for what is no place.
     !@cuf attributes(host,device) &
-    pure integer function home_of(n, region, x) result(r)
+    pure integer function owner_of(n, region, x) result(r)
         integer, intent(in) :: n !! regions
         real(dp), intent(in) :: region(3, 2, *) !! corners [m]
         real(dp), intent(in) :: x(3) !! [m]
@@ -29,7 +29,7 @@ contains
             if (inside) return
         end do
         r = n - 1
-    end function home_of
+    end function owner_of
 
     !> True where a place or one of its images is within reach of a region. Rounding must not hide
     !> a link, whose drifts are added elsewhere.
@@ -59,7 +59,7 @@ contains
     !> Mark a particle for the process that it belongs to, unless that is this one.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine mark_home(p, first, wide, row, processes, own, region, home, mark)
+    pure subroutine mark_owner(p, first, wide, row, processes, own, region, home, mark)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of the places
@@ -71,9 +71,9 @@ contains
         integer :: i, r
 
         i = first - 1 + p
-        r = home_of(processes, region, home(1:3, i))
+        r = owner_of(processes, region, home(1:3, i))
         if (r /= own) mark(i + r*int(row, int64)) = 1
-    end subroutine mark_home
+    end subroutine mark_owner
 
     !> Mark a particle for the processes that need it as a ghost.
     !@item
@@ -152,4 +152,4 @@ contains
             x(c, first - 1 + p) = nowhere
         end do
     end subroutine put_away
-end module brz_home_items
+end module brz_owner_items
