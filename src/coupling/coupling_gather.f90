@@ -8,7 +8,8 @@ module brz_coupling_gather
     use brz_deferred_source_steps, only: size_deferred_sources
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int64, rk
-    use brz_mail, only: mail_t, make_room, post, put_numbers, take_numbers, tell_counts
+    use brz_message_exchange, only: message_exchange_t, make_room, post, put_numbers, &
+        take_numbers, tell_counts
     use brz_ranks, only: ranks_t
     use brz_row_order, only: order_rows
     use brz_solid_state, only: solid_t
@@ -54,7 +55,7 @@ contains
         real(dp) :: own(coupling%n_var + 1, coupling%n_deferred)
         real(dp), allocatable :: there(:, :)
         integer, allocatable :: order(:)
-        type(mail_t) :: mail
+        type(message_exchange_t) :: exchange
         type(error_t) :: none !! nothing fails on the host
         integer :: e, n, r, rows
 
@@ -70,13 +71,13 @@ contains
         out = 0
         out(1, 0) = n
         call tell_counts(ranks, out, in)
-        call make_room(ranks, 8*rows*out(1, :), 8*rows*in(1, :), mail)
-        call put_numbers(mail, 0, own(:, :n))
-        call post(ranks, mail)
+        call make_room(ranks, 8*rows*out(1, :), 8*rows*in(1, :), exchange)
+        call put_numbers(exchange, 0, own(:, :n))
+        call post(ranks, exchange)
         allocate (there(rows, sum(in)))
         n = 0
         do r = 0, ranks%n - 1
-            call take_numbers(mail, r, there(:, n + 1:n + int(in(1, r))))
+            call take_numbers(exchange, r, there(:, n + 1:n + int(in(1, r))))
             n = n + int(in(1, r))
         end do
         allocate (order(n))

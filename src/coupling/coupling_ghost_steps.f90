@@ -10,7 +10,7 @@ module brz_coupling_ghost_steps
     use brz_coupling_ghost_loops, only: for_each_mark_guest, for_each_miss_guest, for_each_take_load
     use brz_kinds, only: int64
     use brz_lists, only: at_least, clear_reals, put_list, room_of
-    use brz_mail, only: tell_all
+    use brz_message_exchange, only: tell_all
     use brz_place_loops, only: for_each_give_place
     use brz_ranks, only: most_of_all
     use brz_record_rules, only: words_of_real
@@ -100,8 +100,8 @@ contains
             if (allocated(solid%face_stress)) &
                 call at_least(c%on_gpu, part%stresses, 6, part%home%first(boxes) - 1, err)
             if (c%on_gpu) call find_runs(solid, out, in, c, err)
-            call part%parcels%aim(sum(all, 1), part%out, err)
-            call part%parcels%aim(transpose(sum(all, 1)), part%in, err)
+            call part%messages%aim(sum(all, 1), part%out, err)
+            call part%messages%aim(transpose(sum(all, 1)), part%in, err)
         end associate
     end subroutine list_coupling_ghosts
 
@@ -185,7 +185,7 @@ contains
         end if
         call clear_reals(c%on_gpu, 3*places, solid%load, err)
         associate (part => c%part, p => solid, came => c%part%home%first(c%ranks%n) - 1)
-            call part%parcels%send_apart(part%in, part%home, from(:n), to(:n), part%out, own(:n), &
+            call part%messages%send_apart(part%in, part%home, from(:n), to(:n), part%out, own(:n), &
                                          err)
             call for_each_take_load(c%on_gpu, came, c%ranks%n, part%first_at, part%boxes_at, &
                                     c%box, p%wide, p%x, p%fixed, p%stride_d, p%stride_p, &

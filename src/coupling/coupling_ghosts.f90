@@ -37,7 +37,7 @@ contains
             do r = 0, ubound(part%near, 1)
                 part%near(r) = widened(part%near(r), [1, 1, 1]) ! beyond the grid, too
             end do
-            part%parcels%ranks = air%part%ranks
+            part%messages%ranks = air%part%ranks
         end associate
         coupling%ghost_bodies%present = .true.
         coupling%ghost_bodies%ranks = solid%ranks
@@ -92,7 +92,7 @@ contains
         call list_rows(c%on_gpu, c%ghosts, rows_of(c%on_gpu, c%ghosts%v_before, 3*w), to)
         n = n_moving
         if (all_of_it) n = merge(n_known, n_known + 1, c%on_gpu)
-        call c%part%parcels%send(c%part%out, c%part%in, from(:n), to(:n), err)
+        call c%part%messages%send(c%part%out, c%part%in, from(:n), to(:n), err)
     end subroutine send_coupling_ghosts
 
     !> What of a particle its copies have. Walls are emptied before a GPU takes over: it needs no

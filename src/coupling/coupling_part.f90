@@ -9,8 +9,8 @@ module brz_coupling_part
     use brz_boxes, only: cells_t
     use brz_formulation_names, only: form_total
     use brz_kinds, only: dp, int32, int64, rk
-    use brz_parcels, only: courier_t
-    use brz_places, only: marks_t, parcels_t
+    use brz_message_buffers, only: courier_t
+    use brz_places, only: marks_t, message_buffers_t
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -28,10 +28,10 @@ module brz_coupling_part
         type(cells_t), allocatable :: near(:) !! likewise halos and a layer around
         integer(int32), allocatable :: halos_at(:), boxes_at(:), near_at(:) !! as items have them
         integer(int64) :: rebuilds = -1 !! of the bodies' lists when ghosts were listed
-        type(courier_t) :: parcels
+        type(courier_t) :: messages
         ! ghosts: particles of this process near halos, its own as well
-        type(parcels_t) :: out, in !! their places; those of the ghosts that came
-        type(parcels_t) :: home !! 1, 2, 3, ... for what comes back
+        type(message_buffers_t) :: out, in !! their places; those of the ghosts that came
+        type(message_buffers_t) :: home !! 1, 2, 3, ... for what comes back
         type(marks_t) :: listed !! which particles those are
         type(listing_t) :: since
         integer(int32), allocatable :: bodies_at(:) !! (2*bodies) first and last particle
@@ -40,8 +40,8 @@ module brz_coupling_part
         real(rk), allocatable :: loads(:, :) !! (3, out) that have come back
         real(rk), allocatable :: stresses(:, :) !! (6, out) of loaded faces, likewise
         ! wall faces: impulses go from who has the gas to who has loads to hand out
-        type(parcels_t) :: faces_out, faces_in
-        type(parcels_t) :: deferred_out, deferred_in
+        type(message_buffers_t) :: faces_out, faces_in
+        type(message_buffers_t) :: deferred_out, deferred_in
         type(marks_t) :: marks
     end type coupling_part_t
 

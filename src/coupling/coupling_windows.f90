@@ -15,7 +15,7 @@ module brz_coupling_windows
     use brz_coupling_ghost_launches, only: coupling_ghost_kernels
     use brz_kinds, only: int64, int8
     use brz_lists, only: put_list
-    use brz_places, only: parcels_t
+    use brz_places, only: message_buffers_t
     use brz_present_table, only: on_device
     use brz_record_rules, only: w => words_of_real
     implicit none
@@ -59,14 +59,14 @@ contains
         type(error_t), intent(inout) :: err
         integer, parameter :: most = 6 + 10*w + 2 !! words of a ghost
         type(coupling_part_t) :: part
-        type(parcels_t) :: nothing
+        type(message_buffers_t) :: nothing
         type(cells_t) :: held
 
         part%boxes = c%part%boxes
         part%halos = c%part%halos
         part%near = c%part%near
-        part%parcels%ranks = air%part%ranks
-        part%parcels%on_gpu = .true.
+        part%messages%ranks = air%part%ranks
+        part%messages%on_gpu = .true.
         c%part = part
         deallocate (c%ghosts)
         allocate (c%ghosts, source=c%ghost_bodies)
@@ -79,7 +79,7 @@ contains
         if (.not. any(c%box%wraps)) call map_blocks(c, air%part%coupling_halo, held, err)
         allocate (nothing%place(0), nothing%first(0:air%part%ranks%n))
         nothing%first = 1
-        call c%part%parcels%device%open(air%part%ranks, nothing, nothing, max(most, 1 + 6*w), err)
+        call c%part%messages%device%open(air%part%ranks, nothing, nothing, max(most, 1 + 6*w), err)
     end subroutine open_windows_of_gpus
 
     !> Of the halo what lies around walls is fetched, and three layers around the box for gauges:
@@ -103,7 +103,7 @@ contains
 
         !> Blocks of listed cells, process by process.
         function blocks(list, goes) result(block)
-            type(parcels_t), intent(in) :: list !! in the arrays
+            type(message_buffers_t), intent(in) :: list !! in the arrays
             logical, intent(in) :: goes !! to the process
             integer :: at, block(size(list%place)), cell(3), r, t
             type(cells_t) :: box

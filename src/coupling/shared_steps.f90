@@ -12,8 +12,8 @@ module brz_shared_steps
     use brz_coupling_ghost_loops, only: for_each_mark_cells, for_each_renumber
     use brz_kinds, only: int32, int64
     use brz_lists, only: put_list
-    use brz_mail, only: tell_all
-    use brz_places, only: find_firsts, marks_t, parcels_t
+    use brz_message_exchange, only: tell_all
+    use brz_places, only: find_firsts, marks_t, message_buffers_t
     use brz_record_rules, only: words_of_real
     use brz_rows, only: rows_of, rows_t
     use brz_send_lists, only: count_marks, list_marks, place_pieces, reserve_marks
@@ -61,7 +61,7 @@ contains
         integer(int32), intent(in) :: cell(:) !! (n) numbers of cells in the halo
         type(cells_t), intent(in) :: boxes(0:) !! (processes) cells of the grid
         type(marks_t), intent(inout) :: marks
-        type(parcels_t), intent(inout) :: list
+        type(message_buffers_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
         type(cells_t) :: asked(0:ubound(boxes, 1))
         integer(int64) :: number(1, size(boxes))
@@ -83,8 +83,8 @@ contains
         type(rows_t) :: impulses(1)
 
         impulses = [rows_of(c%on_gpu, c%wall%impulse, words_of_real)]
-        call c%part%parcels%announce(c%part%faces_out, err)
-        call c%part%parcels%send(c%part%faces_out, c%part%faces_in, impulses, impulses, err)
+        call c%part%messages%announce(c%part%faces_out, err)
+        call c%part%messages%send(c%part%faces_out, c%part%faces_in, impulses, impulses, err)
     end subroutine share_impulses
 
     !> Renew the deferred sources of other processes that this one sees.
@@ -130,8 +130,8 @@ contains
         call place_pieces(c%on_gpu, in, next, c%part%marks, c%part%deferred_in, err)
         rows = [rows_of(c%on_gpu, c%next_cell, 1), &
                 rows_of(c%on_gpu, c%deferred, c%n_var*words_of_real)]
-        call c%part%parcels%aim(all, c%part%deferred_out, err)
-        call c%part%parcels%send(c%part%deferred_out, c%part%deferred_in, rows, rows, err)
+        call c%part%messages%aim(all, c%part%deferred_out, err)
+        call c%part%messages%send(c%part%deferred_out, c%part%deferred_in, rows, rows, err)
         first = c%n_deferred + 1
         if (more > 0) call for_each_renumber(c%on_gpu, more, grid, c%box, c%next_cell(first:), &
             c%deferred_cell(first:), err)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Exchanges of fields between the GPUs of several processes: a kernel packs, parcels go straight
+!> Exchanges of fields between the GPUs of several processes: a kernel packs, messages go straight
 !> into the memory of the other GPUs (brz_gpu_peers), or by pinned memory of the host and MPI, which
 !> always works, and a kernel unpacks. Whoever has an error takes part with what there is, so that
 !> nobody waits for ever.
@@ -9,14 +9,14 @@ module brz_gpu_fetch
     use brz_cell_lists, only: list_cells
     use brz_device, only: copy_in, pin, reserve_buffer
     use brz_errors, only: error_t
-    use brz_fetch, only: fetch_t, parcel_t
+    use brz_fetch, only: fetch_t, field_message_t
     use brz_lists, only: put_list
     use brz_present_table, only: on_device
     use brz_gpu_peers, only: peers_t
     use brz_kinds, only: int32, int64, int8, rk
-    use brz_mail, only: tell_all
+    use brz_message_exchange, only: tell_all
     use brz_place_launches, only: place_kernels
-    use brz_places, only: parcels_t
+    use brz_places, only: message_buffers_t
     use brz_ranks, only: ranks_t, several
     implicit none
     private
@@ -24,11 +24,11 @@ module brz_gpu_fetch
 
     type :: gpu_fetch_t
         integer :: wide = 1 !! numbers of each cell
-        type(parcels_t) :: out, in !! cells
+        type(message_buffers_t) :: out, in !! cells
         integer(int32), allocatable :: out_block(:), in_block(:) !! of each in a map
         type(bytes_t) :: near !! that map: cells of blocks that are not marked stay as they are
         type(peers_t) :: peers
-        type(reals_t) :: row !! where the parcels of an exchange lie
+        type(reals_t) :: row !! where the messages of an exchange lie
     contains
         procedure :: open, reals_of_others, offer_reals, take_reals, bytes_of_others
     end type gpu_fetch_t
@@ -61,18 +61,18 @@ contains
         call self%peers%aim(all(1, :, :), of_cell, self%out, err)
         if (self%peers%linked) return
         call self%peers%begin(self%out, self%in, of_cell, row, err)
-        call pin(self%peers%mail%out)
-        call pin(self%peers%mail%in)
+        call pin(self%peers%exchange%out)
+        call pin(self%peers%exchange%in)
 
     contains
 
-        subroutine list(parcels, there, block)
-            type(parcel_t), intent(in) :: parcels(:)
-            type(parcels_t), intent(inout) :: there
+        subroutine list(messages, there, block)
+            type(field_message_t), intent(in) :: messages(:)
+            type(message_buffers_t), intent(inout) :: there
             integer(int32), allocatable, intent(inout) :: block(:)
-            type(parcels_t) :: here
+            type(message_buffers_t) :: here
 
-            here = list_cells(ranks%n, parcels, box)
+            here = list_cells(ranks%n, messages, box)
             there%first = here%first
             there%all = .true.
             call put_list(.true., here%place, there%place, err)
@@ -101,7 +101,8 @@ contains
         if (.not. several(self%peers%ranks)) return
         call self%peers%begin(self%out, self%in, self%wide*storage_size(1.0_rk)/8, self%row, err)
         if (self%out%tiled > 0) call place_kernels%pick_cells(self%out%tiled, self%wide, apart, &
-            self%out%parcels, at(self%out%place), at(self%out_block), self%near, field, self%row, err)
+            self%out%messages, at(self%out%place), at(self%out_block), self%near, field, self%row, &
+            err)
         call self%peers%finish(err)
     end subroutine offer_reals
 
@@ -116,7 +117,7 @@ contains
         if (.not. several(self%peers%ranks)) return
         call self%peers%swap(met, err)
         if (self%in%tiled > 0) call place_kernels%put_cells(self%in%tiled, self%wide, apart, &
-            self%in%parcels, at(self%in%place), at(self%in_block), self%near, self%row, field, err)
+            self%in%messages, at(self%in%place), at(self%in_block), self%near, self%row, field, err)
     end subroutine take_reals
 
     !> The same of marks.
@@ -129,11 +130,11 @@ contains
         if (.not. several(self%peers%ranks)) return
         call self%peers%begin(self%out, self%in, 1, row, err)
         if (self%out%tiled > 0) call place_kernels%pick_marks(self%out%tiled/4, &
-            self%out%parcels, at(self%out%place), field, row, err)
+            self%out%messages, at(self%out%place), field, row, err)
         call self%peers%finish(err)
         call self%peers%swap(.false., err)
         if (self%in%tiled > 0) call place_kernels%put_marks(self%in%tiled/4, &
-            self%in%parcels, at(self%in%place), row, field, err)
+            self%in%messages, at(self%in%place), row, field, err)
     end subroutine bytes_of_others
 
     !> The copy of a list.

@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> Parcels between the GPUs of several processes: written straight into each other's memory on one
+!> Messages between the GPUs of several processes: written straight into each other's memory on one
 !> machine (CUDA IPC), or by way of the host and MPI, which always works.
 !>
 !> Every process has an arena for what comes to it, in two halves that take turns. In each exchange
-!> all processes greet each other, or vote, after their GPUs have written the parcels and before
+!> all processes greet each other, or vote, after their GPUs have written the messages and before
 !> any is unpacked. So nobody writes into a half before its owner has unpacked what lay there.
 !> Where a GPU cannot see the memory of another one, or BRISANCE_TRANSPORT=mpi is set, `linked` is
-!> false in all processes, and parcels go by the host.
+!> false in all processes, and messages go by the host.
 module brz_gpu_peers
     use, intrinsic :: iso_c_binding, only: c_intptr_t
     use brz_buffers, only: buffer_t
@@ -17,9 +17,9 @@ module brz_gpu_peers
     use brz_errors, only: error_t, failed
     use brz_lists, only: put_changed_table
     use brz_kinds, only: dp, int64
-    use brz_mail, only: greet, mail_t, make_room, post, tell_counts
+    use brz_message_exchange, only: greet, message_exchange_t, make_room, post, tell_counts
     use brz_place_items, only: tile
-    use brz_places, only: parcels_t
+    use brz_places, only: message_buffers_t
     use brz_ranks, only: agree, least_of_all, ranks_t, several
     implicit none
     private
@@ -31,14 +31,14 @@ module brz_gpu_peers
 
     type :: peers_t
         type(ranks_t) :: ranks
-        logical :: linked = .false. !! parcels go straight to the other GPUs
+        logical :: linked = .false. !! messages go straight to the other GPUs
         integer :: turn = 0 !! half of the next exchange
         integer(int64) :: half = 0 !! its bytes, in all processes
         type(buffer_t) :: arena
         integer(c_intptr_t), allocatable :: place(:) !! (0:processes - 1) the arenas of all
-        type(event_t) :: written !! the parcels of this exchange are
-        type(mail_t) :: mail
-        type(buffer_t) :: words !! of parcels, where they go by the host
+        type(event_t) :: written !! the messages of this exchange are
+        type(message_exchange_t) :: exchange
+        type(buffer_t) :: words !! of messages, where they go by the host
     contains
         procedure :: open, close, aim, begin, finish, swap
     end type peers_t
@@ -104,7 +104,7 @@ contains
         class(peers_t), intent(inout) :: self
         integer(int64), intent(in) :: number(:, :) !! (to processes, from processes)
         integer, intent(in) :: bytes !! of an entry at most
-        type(parcels_t), intent(inout) :: list
+        type(message_buffers_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
         integer(int64), dimension(0:size(number, 1) - 1, 0:size(number, 1) - 1) :: tiled
         integer(int64) :: half
@@ -122,26 +122,26 @@ contains
         call self%open(self%ranks, half + half/2, err)
     end subroutine aim
 
-    !> Begin an exchange of entries of so many bytes: parcels go from a list, which all have aimed,
+    !> Begin an exchange of entries of so many bytes: messages go from a list, which all have aimed,
     !> to the other one, and are written and read from `row` on.
     subroutine begin(self, out, in, bytes, row, err)
         class(peers_t), intent(inout) :: self
-        type(parcels_t), intent(inout) :: out, in
+        type(message_buffers_t), intent(inout) :: out, in
         integer, intent(in) :: bytes
         class(buffer_t), intent(inout) :: row !! its address is set
         type(error_t), intent(inout) :: err
         integer(int64), dimension(self%ranks%n) :: goes, comes
 
-        call tell_parcels(self, out, goes, err)
-        call tell_parcels(self, in, comes, err)
-        call make_room(self%ranks, bytes*goes, bytes*comes, self%mail, elsewhere=self%linked)
+        call tell_messages(self, out, goes, err)
+        call tell_messages(self, in, comes, err)
+        call make_room(self%ranks, bytes*goes, bytes*comes, self%exchange, elsewhere=self%linked)
         row%address = self%arena%address + self%turn*self%half
         if (self%linked) return
         call reserve_buffer(self%words, bytes*max(sum(goes), sum(comes)), err)
         row%address = self%words%address
     end subroutine begin
 
-    !> The kernel that writes the parcels has been launched.
+    !> The kernel that writes the messages has been launched.
     subroutine finish(self, err)
         class(peers_t), intent(inout) :: self
         type(error_t), intent(inout) :: err
@@ -149,29 +149,29 @@ contains
         if (self%linked) call record_event(self%written, err)
     end subroutine finish
 
-    !> Tell kernels where the parcels of a list lie, see brz_place_items.
-    subroutine tell_parcels(self, list, tiled, err)
+    !> Tell kernels where the messages of a list lie, see brz_place_items.
+    subroutine tell_messages(self, list, tiled, err)
         class(peers_t), intent(in) :: self
-        type(parcels_t), intent(inout) :: list
-        integer(int64), intent(out) :: tiled(0:) !! (processes) places in the tiles of each parcel
+        type(message_buffers_t), intent(inout) :: list
+        integer(int64), intent(out) :: tiled(0:) !! (processes) places in the tiles of each message
         type(error_t), intent(inout) :: err
-        integer(int64) :: before, parcel(5, 0:ubound(tiled, 1))
+        integer(int64) :: before, message(5, 0:ubound(tiled, 1))
         integer :: r
 
         before = 0
         do r = 0, ubound(tiled, 1)
             tiled(r) = in_tiles(int(list%first(r + 1) - list%first(r), int64))
             if (r == self%ranks%rank .and. .not. list%all) tiled(r) = 0
-            parcel(:3, r) = [before + tiled(r), list%first(r) - before, &
+            message(:3, r) = [before + tiled(r), list%first(r) - before, &
                              int(list%first(r + 1) - 1, int64)]
-            parcel(4:, r) = 0
+            message(4:, r) = 0
             if (self%linked .and. allocated(list%there)) &
-                parcel(4:, r) = [self%place(r) - self%arena%address, list%there(r) - before]
+                message(4:, r) = [self%place(r) - self%arena%address, list%there(r) - before]
             before = before + tiled(r)
         end do
         list%tiled = int(before)
-        call put_changed_table(transfer(parcel, [0]), list%parcels_there, list%parcels, err)
-    end subroutine tell_parcels
+        call put_changed_table(transfer(message, [0]), list%messages_there, list%messages, err)
+    end subroutine tell_messages
 
     !> Entries, rounded up to whole tiles.
     elemental integer(int64) function in_tiles(n)
@@ -180,27 +180,27 @@ contains
         in_tiles = (n + tile - 1)/tile*tile
     end function in_tiles
 
-    !> Wait until every parcel that has been written is with its process, and those of others are
+    !> Wait until every message that has been written is with its process, and those of others are
     !> here. Who has an error takes part with what there is.
     subroutine swap(self, met, err)
         class(peers_t), intent(inout) :: self
-        logical, intent(in) :: met !! all processes have since their GPUs had written the parcels
+        logical, intent(in) :: met !! all processes have since their GPUs had written the messages
         type(error_t), intent(inout) :: err
 
-        associate (ranks => self%ranks, mail => self%mail)
+        associate (ranks => self%ranks, exchange => self%exchange)
             if (self%linked) then
                 if (.not. met) call wait_for_event(self%written, err)
                 if (.not. met) call greet(ranks)
                 self%turn = 1 - self%turn
             else
-                call copy_out(self%words, mail%out, mail%out_first(ranks%n) - 1, err)
-                call post(ranks, mail)
-                call copy_in(mail%in, self%words, mail%in_first(ranks%n) - 1, err)
+                call copy_out(self%words, exchange%out, exchange%out_first(ranks%n) - 1, err)
+                call post(ranks, exchange)
+                call copy_in(exchange%in, self%words, exchange%in_first(ranks%n) - 1, err)
             end if
         end associate
     end subroutine swap
 
-    !> Parcels are to go by the host.
+    !> Messages are to go by the host.
     logical function by_mpi()
         character(8) :: value
 

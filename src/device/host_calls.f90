@@ -17,7 +17,7 @@ module brz_host_calls
     integer, parameter :: to_read = 3 !! to the host, which waits
     integer, parameter :: to_wait = 4 !! for the GPU
     integer, parameter :: to_reserve = 5 !! memory, or to give it back
-    integer, parameter :: to_tell = 6 !! other processes: votes, counts, parcels, greetings
+    integer, parameter :: to_tell = 6 !! other processes: votes, counts, messages, greetings
     integer, parameter :: n_kinds = 6
 
     type :: share_t

@@ -9,7 +9,7 @@ module brz_send_lists
     use brz_mark_items, only: marks_of_a_chunk
     use brz_mark_loops, only: for_each_count_chunk, for_each_list_chunk, for_each_marked_before
     use brz_place_loops, only: for_each_give_place, for_each_join_place
-    use brz_places, only: find_firsts, find_joined, find_pieces, marks_t, parcels_t
+    use brz_places, only: find_firsts, find_joined, find_pieces, marks_t, message_buffers_t
     implicit none
     private
     public :: reserve_marks, begin_marks, count_marks, list_marks, place_pieces, join_lists
@@ -70,7 +70,7 @@ contains
         integer, intent(in) :: n !! places
         integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
         type(marks_t), intent(in) :: marks !! that are counted
-        type(parcels_t), intent(inout) :: list
+        type(message_buffers_t), intent(inout) :: list
 
         call find_firsts(number, list%first)
         call at_least(on_gpu, list%place, int(sum(number)), err)
@@ -95,7 +95,7 @@ contains
         integer, dimension(:), intent(inout) :: before
         !! (bodies) places that are taken; these ones, too, then
         type(marks_t), intent(inout) :: marks
-        type(parcels_t), intent(inout) :: list
+        type(message_buffers_t), intent(inout) :: list
         integer :: piece(2, size(number))
 
         call find_pieces(number, before, piece)
@@ -112,9 +112,9 @@ contains
         type(error_t), intent(inout) :: err
         integer(int64), intent(in) :: was(:, :), number(:, :) !! (bodies, processes) in both lists
         logical, intent(in) :: kept(:) !! (bodies) else what the first one has is left out
-        type(parcels_t), intent(in) :: added
+        type(message_buffers_t), intent(in) :: added
         type(marks_t), intent(inout) :: marks
-        type(parcels_t), intent(inout) :: list
+        type(message_buffers_t), intent(inout) :: list
         integer(int64) :: all(size(number, 1), size(number, 2))
         integer :: piece(2, 2*size(number))
 

@@ -11,7 +11,7 @@ module brz_home_backend
         gpu_settle_places => settle_places, put_region, put_wants
     use brz_gpu_solid_state, only: attach_solid, gpu_lay_arrays => lay_arrays, note_ranges
     use brz_kinds, only: dp, int64
-    use brz_places, only: parcels_t
+    use brz_places, only: message_buffers_t
     use brz_send_lists, only: join_lists, list_marks, place_pieces
     use brz_solid_ghosts, only: send_ghosts
     use brz_solid_owner, only: cpu_lay_arrays => lay_arrays, cpu_send_away => send_away, &
@@ -72,7 +72,7 @@ contains
         type(solid_t), intent(inout) :: solid
         integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
         logical, intent(in) :: changed(:) !! (bodies)
-        type(parcels_t), intent(inout) :: leaving
+        type(message_buffers_t), intent(inout) :: leaving
         type(error_t), intent(inout) :: err
 
         if (solid%on_gpu) then
@@ -87,7 +87,7 @@ contains
     subroutine change_hands(solid, number, leaving, coming, err)
         type(solid_t), intent(inout) :: solid
         integer(int64), intent(in) :: number(:, :) !! (to processes, from processes)
-        type(parcels_t), intent(in) :: leaving, coming
+        type(message_buffers_t), intent(in) :: leaving, coming
         type(error_t), intent(inout) :: err
 
         if (solid%on_gpu) then

@@ -26,8 +26,8 @@ module brz_owner_steps
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least
     use brz_load_steps, only: mark_facets, note_carriers
-    use brz_mail, only: tell_all
-    use brz_places, only: parcels_t
+    use brz_message_exchange, only: tell_all
+    use brz_places, only: message_buffers_t
     use brz_solid_owner, only: are_even, lacks_room
     use brz_send_lists, only: begin_marks, count_marks
     use brz_solid_places, only: choose_places, lay_rooms
@@ -131,7 +131,7 @@ contains
         integer(int64), intent(in) :: all(:, :) !! (to processes, from processes)
         logical, intent(in) :: whole(:) !! (bodies) see go_to_owners
         type(error_t), intent(inout) :: err
-        type(parcels_t) :: leaving, coming
+        type(message_buffers_t) :: leaving, coming
 
         if (sum(all) == 0) return
         call list_leaving(solid, out, sum(out + in, dim=2) > 0, leaving, err)

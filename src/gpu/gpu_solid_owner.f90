@@ -14,7 +14,7 @@ module brz_gpu_solid_owner
     use brz_gpu_solid_diagnostics, only: fetch_accounts, find_extent
     use brz_owner_launches, only: owner_kernels
     use brz_kinds, only: dp, int64
-    use brz_places, only: parcels_t
+    use brz_places, only: message_buffers_t
     use brz_present_table, only: attach
     use brz_ranks, only: least_of_all
     use brz_send_lists, only: list_marks
@@ -109,7 +109,7 @@ contains
     subroutine list_leaving(solid, number, leaving, err)
         type(solid_t), intent(inout) :: solid
         integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
-        type(parcels_t), intent(inout) :: leaving
+        type(message_buffers_t), intent(inout) :: leaving
         type(error_t), intent(inout) :: err
 
         associate (gone => solid%device%ghosts%gone)
@@ -124,7 +124,7 @@ contains
     subroutine send_away(gpu, number, leaving, coming, err)
         type(solid_device_t), intent(inout) :: gpu
         integer(int64), intent(in) :: number(:, :) !! (to processes, from processes)
-        type(parcels_t), intent(in) :: leaving, coming
+        type(message_buffers_t), intent(in) :: leaving, coming
         type(error_t), intent(inout) :: err
 
         associate (ghosts => gpu%ghosts)

@@ -11,7 +11,7 @@ module brz_gpu_solid_search
     use brz_formulation_names, only: form_total
     use brz_ghost_wants, only: most_outside
     use brz_lists, only: put_changed => put_changed_table
-    use brz_gpu_parcels, only: carry_rows
+    use brz_gpu_message_buffers, only: carry_rows
     use brz_rows, only: rows_of => rows_of_copy, rows_t
     use brz_gpu_solid_owner, only: put_region
     use brz_gpu_solid_layout, only: grid_gpu_t

@@ -8,7 +8,7 @@ module brz_together
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t, failed
     use brz_kinds, only: int64
-    use brz_mail, only: mail_t
+    use brz_message_exchange, only: message_exchange_t
     use brz_ranks, only: several
     use brz_solid_gather, only: begin_gather, end_gather
     use brz_solid_state, only: solid_t
@@ -60,10 +60,10 @@ contains
         character(*), intent(in) :: path !! of the file
         logical, intent(in) :: sorted !! see end_gather
         type(error_t), intent(inout) :: err
-        type(mail_t) :: mail
+        type(message_exchange_t) :: exchange
 
-        if (together%by_files) mail%path = path
-        call end_gather(solid, together%whole, together%in, sorted, mail)
-        if (.not. failed(err)) err = mail%fault
+        if (together%by_files) exchange%path = path
+        call end_gather(solid, together%whole, together%in, sorted, exchange)
+        if (.not. failed(err)) err = exchange%fault
     end subroutine end_bodies
 end module brz_together

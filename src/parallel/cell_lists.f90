@@ -1,31 +1,31 @@
 ! SPDX-License-Identifier: MIT
-!> What a fetch moves, as lists of places in an array and one parcel for each process: for those who
-!> pack and unpack elsewhere than on the host.
+!> What a fetch moves, as lists of places in an array and one message for each process: for those
+!> who pack and unpack elsewhere than on the host.
 module brz_cell_lists
     use brz_boxes, only: cells_t, cells_of
-    use brz_fetch, only: parcel_t
+    use brz_fetch, only: field_message_t
     use brz_kinds, only: int32, int64
-    use brz_places, only: parcels_t
+    use brz_places, only: message_buffers_t
     implicit none
     private
     public :: list_cells, places_in
 
 contains
 
-    !> Places of the cells of some parcels in an array that holds the cells `box` of the whole grid,
-    !> process by process.
-    pure type(parcels_t) function list_cells(processes, parcels, box) result(list)
+    !> Places of the cells of some messages in an array that holds the cells `box` of the whole
+    !> grid, process by process.
+    pure type(message_buffers_t) function list_cells(processes, messages, box) result(list)
         integer, intent(in) :: processes
-        type(parcel_t), intent(in) :: parcels(:)
+        type(field_message_t), intent(in) :: messages(:)
         type(cells_t), intent(in) :: box
         integer :: m, r
 
         allocate (list%first(0:processes), source=1)
         allocate (list%place(0))
         do r = 0, processes - 1
-            do m = 1, size(parcels)
-                if (parcels(m)%partner == r) &
-                    list%place = [list%place, int(places_in(box, parcels(m)%box), int32)]
+            do m = 1, size(messages)
+                if (messages(m)%partner == r) &
+                    list%place = [list%place, int(places_in(box, messages(m)%box), int32)]
             end do
             list%first(r + 1) = size(list%place) + 1
         end do

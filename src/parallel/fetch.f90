@@ -13,22 +13,22 @@ module brz_fetch
     use brz_timer, only: lap, wall_seconds
     implicit none
     private
-    public :: fetch_t, parcel_t, plan_fetch, fetch
+    public :: fetch_t, field_message_t, plan_fetch, fetch
 
     integer, parameter :: first_tag = 100 !! and the number of the image behind it
 
     !> What passes to or from one process in one message.
-    type :: parcel_t
+    type :: field_message_t
         integer :: partner = 0
         integer :: image = 0 !! 0..26: how far the field is shifted around the grid
         type(cells_t) :: box !! as this process numbers the cells
         real(rk), allocatable :: numbers(:)
-    end type parcel_t
+    end type field_message_t
 
     !> Who sends what to whom.
     type :: fetch_t
         type(cells_t) :: whole !! cells that the arrays of this process hold
-        type(parcel_t), allocatable :: out(:), in(:)
+        type(field_message_t), allocatable :: out(:), in(:)
         type(c_ptr), allocatable :: requests(:)
         integer(int64) :: bytes = 0 !! that this process sends each time
     end type fetch_t
@@ -73,20 +73,20 @@ contains
         end do
     end subroutine plan_fetch
 
-    !> Note a parcel, unless it is empty.
-    subroutine add(parcels, partner, image, box, numbers)
-        type(parcel_t), allocatable, intent(inout) :: parcels(:)
+    !> Note a message, unless it is empty.
+    subroutine add(messages, partner, image, box, numbers)
+        type(field_message_t), allocatable, intent(inout) :: messages(:)
         integer, intent(in) :: partner, image
         type(cells_t), intent(in) :: box
         integer, intent(in) :: numbers !! per cell
-        type(parcel_t) :: parcel
+        type(field_message_t) :: message
 
         if (is_empty(box)) return
-        parcel%partner = partner
-        parcel%image = image
-        parcel%box = box
-        allocate (parcel%numbers(cells_of(box)*numbers))
-        parcels = [parcels, parcel]
+        message%partner = partner
+        message%image = image
+        message%box = box
+        allocate (message%numbers(cells_of(box)*numbers))
+        messages = [messages, message]
     end subroutine add
 
     !> Steps around the grid of an image.
@@ -168,16 +168,17 @@ contains
         integer :: m
 
         do m = 1, size(plan%in)
-            associate (parcel => plan%in(m))
-                status = mpi_irecv(c_loc(parcel%numbers), int(cells_of(parcel%box)*n_var, c_int), &
-                                   kind_of_reals(), int(parcel%partner, c_int), &
-                                   int(first_tag + parcel%image, c_int), ranks%comm, &
+            associate (message => plan%in(m))
+                status = mpi_irecv(c_loc(message%numbers), &
+                                   int(cells_of(message%box)*n_var, c_int), kind_of_reals(), &
+                                   int(message%partner, c_int), &
+                                   int(first_tag + message%image, c_int), ranks%comm, &
                                    plan%requests(m))
             end associate
         end do
     end subroutine listen
 
-    !> Send parcel m, which is packed.
+    !> Send message m, which is packed.
     subroutine send(ranks, plan, m, n_var)
         type(ranks_t), intent(in) :: ranks
         type(fetch_t), intent(inout), target :: plan
@@ -185,10 +186,10 @@ contains
         integer, intent(in) :: n_var !! numbers per cell
         integer(c_int) :: status
 
-        associate (parcel => plan%out(m))
-            status = mpi_isend(c_loc(parcel%numbers), int(cells_of(parcel%box)*n_var, c_int), &
-                               kind_of_reals(), int(parcel%partner, c_int), &
-                               int(first_tag + parcel%image, c_int), ranks%comm, &
+        associate (message => plan%out(m))
+            status = mpi_isend(c_loc(message%numbers), int(cells_of(message%box)*n_var, c_int), &
+                               kind_of_reals(), int(message%partner, c_int), &
+                               int(first_tag + message%image, c_int), ranks%comm, &
                                plan%requests(size(plan%in) + m))
         end associate
     end subroutine send

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Numbers of listed cells or particles, into a row and back: what packs and unpacks messages.
 !>
-!> The parcels to all other processes are one row of tiles of 32 places, each parcel whole tiles:
+!> The messages to all other processes are one row of tiles of 32 places, each message whole tiles:
 !> one kernel packs them, another one unpacks those that come.
 module brz_place_items
     use brz_kinds, only: int32, int64, int8, rk
@@ -34,14 +34,14 @@ contains
         end do
     end subroutine pick_reals
 
-    !> The numbers of a listed cell of a field, into its parcel, if its block is marked.
+    !> The numbers of a listed cell of a field, into its message, if its block is marked.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine pick_cells(t, wide, step, parcel, place, block, near, array, row)
+    pure subroutine pick_cells(t, wide, step, message, place, block, near, array, row)
         integer, intent(in) :: t !! places of the tiles
         integer, intent(in) :: wide !! numbers of a cell
         integer(int64), intent(in) :: step !! numbers between those of a cell
-        integer(int64), intent(in) :: parcel(*) !! (5, processes), see find_entry
+        integer(int64), intent(in) :: message(*) !! (5, processes), see find_entry
         integer(int32), intent(in) :: place(*) !! of each cell, from 1
         integer(int32), intent(in) :: block(*) !! of each cell
         integer(int8), intent(in) :: near(*) !! (blocks)
@@ -50,7 +50,7 @@ contains
         integer(int64) :: away, to
         integer :: c, k
 
-        call find_entry(t - 1, real_bytes*wide, parcel, k, away)
+        call find_entry(t - 1, real_bytes*wide, message, k, away)
         if (near(block(k)) == 0) return
         to = first_of(t, wide) + away/real_bytes
         do c = 0, wide - 1
@@ -61,11 +61,11 @@ contains
     !> The way back.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine put_cells(t, wide, step, parcel, place, block, near, row, array)
+    pure subroutine put_cells(t, wide, step, message, place, block, near, row, array)
         integer, intent(in) :: t !! places of the tiles
         integer, intent(in) :: wide !! numbers of a cell
         integer(int64), intent(in) :: step !! numbers between those of a cell
-        integer(int64), intent(in) :: parcel(*) !! (5, processes), see find_entry
+        integer(int64), intent(in) :: message(*) !! (5, processes), see find_entry
         integer(int32), intent(in) :: place(*) !! of each cell, from 1
         integer(int32), intent(in) :: block(*) !! of each cell
         integer(int8), intent(in) :: near(*) !! (blocks)
@@ -74,7 +74,7 @@ contains
         integer(int64) :: away
         integer :: c, k
 
-        call find_entry(t - 1, real_bytes*wide, parcel, k, away)
+        call find_entry(t - 1, real_bytes*wide, message, k, away)
         if (near(block(k)) == 0) return
         do c = 0, wide - 1
             array(place(k) + c*step) = row(first_of(t, wide) + c*tile)
@@ -90,33 +90,33 @@ contains
         at = t + int((t - 1)/tile, int64)*(tile*(wide - 1))
     end function first_of
 
-    !> The entry of a list that has a place in the tiles of its parcels, and how many bytes from
-    !> here its parcel is to be written. What is known of the parcel of each process: places up to
+    !> The entry of a list that has a place in the tiles of its messages, and how many bytes from
+    !> here its message is to be written. What is known of the message of each process: places up to
     !> its end, what an entry is short of, its last entry; bytes and places from where it would be
     !> here to where it is to be. The last entry comes again until a tile is full.
     !@cuf attributes(host,device) &
-    pure subroutine find_entry(before, bytes, parcel, k, away)
-        integer, intent(in) :: before !! places of the tiles of all parcels, before this one
+    pure subroutine find_entry(before, bytes, message, k, away)
+        integer, intent(in) :: before !! places of the tiles of all messages, before this one
         integer, intent(in) :: bytes !! of an entry
-        integer(int64), intent(in) :: parcel(*) !! (5, processes)
+        integer(int64), intent(in) :: message(*) !! (5, processes)
         integer, intent(out) :: k !! from 1
         integer(int64), intent(out) :: away
         integer :: at
 
         at = 1
-        do while (before >= parcel(at))
+        do while (before >= message(at))
             at = at + 5
         end do
-        k = int(min(before + parcel(at + 1), parcel(at + 2)))
-        away = parcel(at + 3) + parcel(at + 4)*bytes
+        k = int(min(before + message(at + 1), message(at + 2)))
+        away = message(at + 3) + message(at + 4)*bytes
     end subroutine find_entry
 
-    !> The marks of four listed cells, into their parcel.
+    !> The marks of four listed cells, into their message.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine pick_marks(t, parcel, place, array, row)
+    pure subroutine pick_marks(t, message, place, array, row)
         integer, intent(in) :: t !! words of four places of the tiles
-        integer(int64), intent(in) :: parcel(*) !! (5, processes), see find_entry
+        integer(int64), intent(in) :: message(*) !! (5, processes), see find_entry
         integer(int32), intent(in) :: place(*) !! of each cell, from 1
         integer(int8), intent(in) :: array(*)
         integer(int32), intent(inout) :: row(*)
@@ -126,7 +126,7 @@ contains
 
         word = 0
         do c = 0, 3
-            call find_entry(4*(t - 1) + c, 1, parcel, k, away)
+            call find_entry(4*(t - 1) + c, 1, message, k, away)
             word = ior(word, shiftl(iand(int(array(place(k)), int32), 255), 8*c))
         end do
         row(t + away/4) = word
@@ -135,9 +135,9 @@ contains
     !> The way back.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine put_marks(t, parcel, place, row, array)
+    pure subroutine put_marks(t, message, place, row, array)
         integer, intent(in) :: t !! words of four places of the tiles
-        integer(int64), intent(in) :: parcel(*) !! (5, processes), see find_entry
+        integer(int64), intent(in) :: message(*) !! (5, processes), see find_entry
         integer(int32), intent(in) :: place(*) !! of each cell, from 1
         integer(int32), intent(in) :: row(*)
         integer(int8), intent(inout) :: array(*)
@@ -145,7 +145,7 @@ contains
         integer :: c, k
 
         do c = 0, 3
-            call find_entry(4*(t - 1) + c, 1, parcel, k, away)
+            call find_entry(4*(t - 1) + c, 1, message, k, away)
             array(place(k)) = int(shifta(shiftl(row(t), 24 - 8*c), 24), int8)
         end do
     end subroutine put_marks
@@ -179,18 +179,19 @@ contains
     !> threads beside each other are at the same word of their particles.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine pick_record(t, wide, record, parcel, place, a1, a2, a3, a4, a5, a6, a7, a8, row)
+    pure subroutine pick_record(t, wide, record, message, place, a1, a2, a3, a4, a5, a6, a7, a8, &
+    row)
         integer, intent(in) :: t !! words of all tiles
         integer, intent(in) :: wide !! words of a record in the message
         type(record_t), intent(in) :: record
-        integer(int64), intent(in) :: parcel(*) !! (5, processes), see find_entry
+        integer(int64), intent(in) :: message(*) !! (5, processes), see find_entry
         integer(int32), intent(in) :: place(*) !! of each particle, from 1
         integer(int32), intent(in) :: a1(*), a2(*), a3(*), a4(*), a5(*), a6(*), a7(*), a8(*)
         integer(int32), intent(inout) :: row(*) !! (particles of a tile, wide, tiles)
         integer :: array, c, k
         integer(int64) :: at, away
 
-        call find_particle(t, wide, parcel, k, c, away)
+        call find_particle(t, wide, message, k, c, away)
         if (c >= record%wide) return
         call find_word(record, c, place(k), array, at)
         row(t + away/4) = word_of(array, at, a1, a2, a3, a4, a5, a6, a7, a8)
@@ -199,18 +200,18 @@ contains
     !> The way back.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine put_record(t, wide, record, parcel, place, row, a1, a2, a3, a4, a5, a6, a7, a8)
+    pure subroutine put_record(t, wide, record, message, place, row, a1, a2, a3, a4, a5, a6, a7, a8)
         integer, intent(in) :: t !! words of all tiles
         integer, intent(in) :: wide !! words of a record in the message
         type(record_t), intent(in) :: record
-        integer(int64), intent(in) :: parcel(*) !! (5, processes), see find_entry
+        integer(int64), intent(in) :: message(*) !! (5, processes), see find_entry
         integer(int32), intent(in) :: place(*) !! of each particle, from 1
         integer(int32), intent(in) :: row(*) !! (particles of a tile, wide, tiles)
         integer(int32), intent(inout) :: a1(*), a2(*), a3(*), a4(*), a5(*), a6(*), a7(*), a8(*)
         integer :: array, c, k
         integer(int64) :: at, away
 
-        call find_particle(t, wide, parcel, k, c, away)
+        call find_particle(t, wide, message, k, c, away)
         if (c >= record%wide) return
         call find_word(record, c, place(k), array, at)
         call set_word(array, at, row(t), a1, a2, a3, a4, a5, a6, a7, a8)
@@ -218,9 +219,9 @@ contains
 
     !> The particle of a word of the tiles, and the word.
     !@cuf attributes(host,device) &
-    pure subroutine find_particle(t, wide, parcel, k, c, away)
+    pure subroutine find_particle(t, wide, message, k, c, away)
         integer, intent(in) :: t, wide
-        integer(int64), intent(in) :: parcel(*) !! (5, processes)
+        integer(int64), intent(in) :: message(*) !! (5, processes)
         integer, intent(out) :: k !! entry of the list
         integer, intent(out) :: c !! words of its record before this one
         integer(int64), intent(out) :: away !! bytes, see find_entry
@@ -228,7 +229,7 @@ contains
 
         rows = (t - 1)/tile ! before this one
         c = mod(rows, wide)
-        call find_entry(rows/wide*tile + mod(t - 1, tile), 4*wide, parcel, k, away)
+        call find_entry(rows/wide*tile + mod(t - 1, tile), 4*wide, message, k, away)
     end subroutine find_particle
 
     !> A word of a listed particle, to the particle of another list in another array.

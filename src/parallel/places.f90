@@ -5,10 +5,10 @@ module brz_places
     use brz_kinds, only: int32, int64
     implicit none
     private
-    public :: parcels_t, marks_t, find_firsts, find_joined, find_pieces
+    public :: message_buffers_t, marks_t, find_firsts, find_joined, find_pieces
 
-    !> What is in a message: parcel r is entries first(r) to first(r + 1) - 1.
-    type :: parcels_t
+    !> What is in a message: message r is entries first(r) to first(r + 1) - 1.
+    type :: message_buffers_t
         integer(int32), allocatable :: place(:) !! of the particles
         integer, allocatable :: first(:) !! (0:processes)
         ! on a GPU; what a process has for itself mostly goes from array to array there
@@ -17,10 +17,10 @@ module brz_places
         logical :: all = .false. !! what a process has for itself goes the same way
         integer, allocatable :: run(:, :)
         !! (2, runs) first place and number of what it has for itself, where that lies in few runs
-        integer :: tiled = 0 !! places in the tiles of all parcels
-        type(buffer_t) :: parcels !! what kernels know of them, see brz_place_items
-        integer, allocatable :: parcels_there(:) !! what the GPU has of that
-    end type parcels_t
+        integer :: tiled = 0 !! places in the tiles of all messages
+        type(buffer_t) :: messages !! what kernels know of them, see brz_place_items
+        integer, allocatable :: messages_there(:) !! what the GPU has of that
+    end type message_buffers_t
 
     !> What lists are made of, see brz_send_lists.
     type :: marks_t
@@ -35,7 +35,7 @@ module brz_places
 
 contains
 
-    !> First entry of the parcel of each process.
+    !> First entry of the message of each process.
     pure subroutine find_firsts(number, first)
         integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
         integer, allocatable, intent(inout) :: first(:) !! (0:processes)

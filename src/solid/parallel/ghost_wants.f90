@@ -11,7 +11,7 @@ module brz_ghost_wants
     use brz_owner_items, only: near_region
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: links_reach, may_link
-    use brz_mail, only: tell_all
+    use brz_message_exchange, only: tell_all
     use brz_particle_marks, only: is_gone
     use brz_ranks, only: least_of_all, ranks_t
     use brz_solid_state, only: solid_t

@@ -6,9 +6,9 @@ module brz_solid_gather
     use brz_cohesive_part, only: share_points
     use brz_errors, only: failed
     use brz_kinds, only: int64, rk
-    use brz_mail, only: mail_t, tell_counts
+    use brz_message_exchange, only: message_exchange_t, tell_counts
     use brz_pair_layout, only: n_pair
-    use brz_places, only: parcels_t
+    use brz_places, only: message_buffers_t
     use brz_solid_diagnostics, only: diagnostics_t, close_all_diagnostics, open_all_diagnostics
     use brz_solid_fields, only: fields_of, fields_t, make_fields
     use brz_solid_ghosts, only: of_a_checkpoint, send_particles
@@ -37,15 +37,15 @@ contains
 
     !> All that a checkpoint holds, in the first process, with `sorted` in the order in which one
     !> process would have it; no particles in all others. It comes by messages, then all must call;
-    !> or in copies of the processes by files: see mail_t.
-    subroutine end_gather(solid, whole, in, sorted, mail)
+    !> or in copies of the processes by files: see message_exchange_t.
+    subroutine end_gather(solid, whole, in, sorted, exchange)
         type(solid_t), intent(inout), target :: solid
         type(solid_t), intent(inout), target :: whole !! as begin_gather left it
         integer(int64), intent(in) :: in(:, :) !! likewise
         logical, intent(in) :: sorted
-        type(mail_t), intent(inout) :: mail
+        type(message_exchange_t), intent(inout) :: exchange
         integer :: next(size(solid%bodies))
-        type(parcels_t) :: leaving, coming
+        type(message_buffers_t) :: leaving, coming
         type(fields_t) :: from, to
         integer :: b, i, r
 
@@ -76,8 +76,8 @@ contains
         end do
         call fields_of(solid, from)
         call fields_of(whole, to)
-        call send_particles(solid%ranks, of_a_checkpoint, from, leaving, to, coming, mail)
-        if (solid%ranks%rank > 0 .or. failed(mail%fault)) return
+        call send_particles(solid%ranks, of_a_checkpoint, from, leaving, to, coming, exchange)
+        if (solid%ranks%rank > 0 .or. failed(exchange%fault)) return
         if (sorted) call sort(whole)
         if (whole%cohesive%present) call each_place_node(whole%n, 1, whole%id, whole%cohesive%row, &
                                                          whole%cohesive%place)

@@ -4,7 +4,7 @@
 module brz_solid_owner
     use brz_kinds, only: dp, int64
     use brz_particle_order, only: reorder_particles
-    use brz_places, only: parcels_t
+    use brz_places, only: message_buffers_t
     use brz_ranks, only: several
     use brz_solid_arrays, only: cut_blocks, number_groups
     use brz_solid_fields, only: fields_of, fields_t, resize_fields
@@ -137,12 +137,12 @@ contains
     !> Send the particles that leave, and take in those that come.
     subroutine send_away(solid, leaving, coming)
         type(solid_t), intent(inout), target :: solid
-        type(parcels_t), intent(in) :: leaving, coming
+        type(message_buffers_t), intent(in) :: leaving, coming
         type(fields_t) :: fields
 
         call fields_of(solid, fields)
         call send_particles(solid%ranks, all_of_it, fields, leaving, fields, coming, &
-                            solid%part%mail)
+                            solid%part%exchange)
     end subroutine send_away
 
     !> Particles and ghosts lie in other places: number groups and blocks for it. What lies behind

@@ -2,7 +2,7 @@
 !> Places of particles that change processes: who takes which place.
 module brz_solid_places
     use brz_kinds, only: int64
-    use brz_places, only: find_firsts, parcels_t
+    use brz_places, only: find_firsts, message_buffers_t
     implicit none
     private
     public :: choose_places, lay_rooms, whole_lanes
@@ -12,13 +12,13 @@ module brz_solid_places
 contains
 
     !> Where those that come are put, and which of the last particles take what is left of the
-    !> places of those that leave: these moves are the parcel of a process to itself.
+    !> places of those that leave: these moves are the message of a process to itself.
     pure subroutine choose_places(me, out, in, last, leaving, coming)
         integer, intent(in) :: me !! this process, from 0
         integer(int64), intent(in) :: out(:, :), in(:, :) !! (bodies, processes)
         integer, intent(inout) :: last(:) !! (bodies) last particles, before and afterwards
-        type(parcels_t), intent(inout) :: leaving !! parcel by parcel, body by body
-        type(parcels_t), intent(out) :: coming !! in the same order
+        type(message_buffers_t), intent(inout) :: leaving !! message by message, body by body
+        type(message_buffers_t), intent(out) :: coming !! in the same order
         integer, allocatable :: free(:), place(:), old(:), new(:)
         logical, allocatable :: is_free(:)
         integer :: at, b, come, i, k, m, n, r
@@ -57,10 +57,10 @@ contains
 
     contains
 
-        !> Put a parcel of this process to itself into a list that has none.
+        !> Put a message of this process to itself into a list that has none.
         pure subroutine move(places, list)
             integer, intent(in) :: places(:)
-            type(parcels_t), intent(inout) :: list
+            type(message_buffers_t), intent(inout) :: list
 
             associate (at => list%first(me))
                 list%place = [list%place(:at - 1), places, list%place(at:)]

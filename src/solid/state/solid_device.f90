@@ -6,7 +6,7 @@ module brz_solid_device
     use brz_device, only: kernel_t
     use brz_energy_account, only: energy_account_t
     use brz_gpu_common, only: gpu_common_t
-    use brz_gpu_parcels, only: gpu_parcels_t
+    use brz_gpu_message_buffers, only: gpu_message_buffers_t
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: link_layout_t
     use brz_rows, only: rows_t
@@ -118,7 +118,7 @@ module brz_solid_device
         integer :: n_record = 0, n_left = 0
         type(rows_t) :: record(7) !! what a particle takes along to another process
         type(rows_t) :: left(3) !! what pass 1 leaves for pass 2
-        type(gpu_parcels_t) :: ghosts
+        type(gpu_message_buffers_t) :: ghosts
         logical :: offered = .false. !! others have written what they move, and all have met since
         integer(int64) :: rebuilds = -1 !! of lists before the last step
     end type solid_device_t

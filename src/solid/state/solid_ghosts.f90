@@ -9,9 +9,9 @@ module brz_solid_ghosts
     use brz_hold_layout, only: control_stiffness
     use brz_kinds, only: rk
     use brz_link_layout, only: n_press
-    use brz_mail, only: mail_t
-    use brz_parcels, only: send_rows
-    use brz_places, only: parcels_t
+    use brz_message_exchange, only: message_exchange_t
+    use brz_message_buffers, only: send_rows
+    use brz_places, only: message_buffers_t
     use brz_ranks, only: ranks_t, several
     use brz_rows, only: rows_t
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_single, memory_of
@@ -86,7 +86,7 @@ contains
     subroutine refresh_press(solid)
         type(solid_t), intent(inout), target :: solid
         type(fields_t) :: fields
-        type(parcels_t) :: out, in
+        type(message_buffers_t) :: out, in
 
         if (.not. several(solid%ranks)) return
         fields%n = 1
@@ -94,11 +94,13 @@ contains
         fields%of(1) = field_t('press', merge(is_double, is_single, storage_size(1.0_rk) == 64), &
                                n_press, values=c_loc(solid%links%press))
         associate (n => solid%ranks%n, part => solid%part)
-            out = parcels_t(solid%links%row(part%out%place(:part%out%first(n) - 1)) + 1, &
+            out = message_buffers_t(solid%links%row(part%out%place(:part%out%first(n) - 1)) + 1, &
                             part%out%first)
-            in = parcels_t(solid%links%row(part%in%place(:part%in%first(n) - 1)) + 1, part%in%first)
+            in = message_buffers_t(solid%links%row(part%in%place(:part%in%first(n) - 1)) + 1, &
+                part%in%first)
         end associate
-        call send_particles(solid%ranks, of_linked_rows, fields, out, fields, in, solid%part%mail)
+        call send_particles(solid%ranks, of_linked_rows, fields, out, fields, in, &
+            solid%part%exchange)
     end subroutine refresh_press
 
     subroutine refresh(solid, what)
@@ -108,24 +110,24 @@ contains
 
         call fields_of(solid, fields)
         associate (part => solid%part)
-            call send_particles(solid%ranks, what, fields, part%out, fields, part%in, part%mail)
+            call send_particles(solid%ranks, what, fields, part%out, fields, part%in, part%exchange)
         end associate
     end subroutine refresh
 
     !> Send fields of particles to other processes. `from` and `to` have the same fields of those
     !> that are sent.
-    subroutine send_particles(ranks, what, from, out, to, in, mail)
+    subroutine send_particles(ranks, what, from, out, to, in, exchange)
         type(ranks_t), intent(in) :: ranks
         integer, intent(in) :: what !! all_of_it, ...
         type(fields_t), intent(in) :: from, to
-        type(parcels_t), intent(in) :: out, in
-        type(mail_t), intent(inout) :: mail
+        type(message_buffers_t), intent(in) :: out, in
+        type(message_exchange_t), intent(inout) :: exchange
         type(rows_t) :: rows(from%n), rows_to(to%n)
         integer :: n, n_to
 
         call find_rows(from, what, n, rows)
         call find_rows(to, what, n_to, rows_to)
-        call send_rows(ranks, out, in, rows(:n), rows_to(:n_to), mail)
+        call send_rows(ranks, out, in, rows(:n), rows_to(:n_to), exchange)
     end subroutine send_particles
 
     !> The fields of a message as rows.

@@ -3,8 +3,8 @@
 !> and whose ghosts are where.
 module brz_solid_part
     use brz_kinds, only: dp, int64
-    use brz_mail, only: mail_t
-    use brz_places, only: marks_t, parcels_t
+    use brz_message_exchange, only: message_exchange_t
+    use brz_places, only: marks_t, message_buffers_t
     implicit none
     private
     public :: solid_part_t
@@ -23,8 +23,8 @@ module brz_solid_part
         !! (bodies, to processes, from processes) ghosts of all
         real(dp) :: margin = 0 !! what particles may be outside the region of their process [m]
         integer :: far(2) = 0 !! 1: some of any process are outside; by more than they may
-        type(parcels_t) :: out !! particles of this process that others have ghosts of
-        type(parcels_t) :: in !! ghosts of this process
-        type(mail_t) :: mail
+        type(message_buffers_t) :: out !! particles of this process that others have ghosts of
+        type(message_buffers_t) :: in !! ghosts of this process
+        type(message_exchange_t) :: exchange
     end type solid_part_t
 end module brz_solid_part

@@ -9,7 +9,7 @@ module brz_saves
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp
     use brz_output_folder, only: checkpoint_name
-    use brz_parcel_files, only: forget_parcel, give_up_parcel
+    use brz_message_files, only: forget_message, give_up_message
     use brz_ranks, only: agree, several
     use brz_simulation, only: simulation_t
     use brz_snapshots, only: snapshot_t, use_snapshot
@@ -65,11 +65,11 @@ contains
         logical, intent(in) :: all_ended
 
         if (all_ended) then
-            call forget_parcel(sim%ranks, path_of(saves, writer))
+            call forget_message(sim%ranks, path_of(saves, writer))
             if (writer%dump == no_dump .and. saves%dumps%leads) &
                 call remove_checkpoint(saves%dumps%folder, writer%step)
         else if (writer%ended .and. writer%code /= 0) then
-            call give_up_parcel(sim%ranks, path_of(saves, writer))
+            call give_up_message(sim%ranks, path_of(saves, writer))
         end if
     end subroutine see_to_failure
 
@@ -142,7 +142,7 @@ contains
                 call begin_state(saves%together, sim%air, sim%coupling)
             end if
             saves%together%by_files = writer%apart
-            call forget_parcel(sim%ranks, path_of(saves, writer))
+            call forget_message(sim%ranks, path_of(saves, writer))
         end if
         if (writer%apart .and. .not. failed(err)) &
             call take_snapshot(sim%backend, sim%air, sim%solid, sim%coupling, snapshot)

@@ -1,42 +1,42 @@
 ! SPDX-License-Identifier: MIT
 !> What particles need of those of other processes, between GPUs: as brz_gpu_fetch, for lists of
 !> places that change whenever neighbours are looked for anew.
-module brz_gpu_parcels
+module brz_gpu_message_buffers
     use brz_buffers, only: integers_t, part_from => from
     use brz_device, only: copy_within
     use brz_errors, only: error_t, exit_device, raise
     use brz_gpu_peers, only: peers_t
-    use brz_places, only: parcels_t
+    use brz_places, only: message_buffers_t
     use brz_present_table, only: on_device
     use brz_kinds, only: int32, int64
     use brz_lists, only: put_list
-    use brz_mail, only: tell_all
+    use brz_message_exchange, only: tell_all
     use brz_place_launches, only: place_kernels
     use brz_ranks, only: ranks_t, several
     use brz_record_rules, only: add_array, most_arrays, record_t
     use brz_rows, only: rows_t
     implicit none
     private
-    public :: gpu_parcels_t, carry_rows
+    public :: gpu_message_buffers_t, carry_rows
 
-    type :: gpu_parcels_t
+    type :: gpu_message_buffers_t
         type(ranks_t) :: ranks
         integer :: most = 0 !! words of a particle in a message
-        type(parcels_t) :: out, in !! particles, and their ghosts
-        type(parcels_t) :: gone, come !! who changes the process
+        type(message_buffers_t) :: out, in !! particles, and their ghosts
+        type(message_buffers_t) :: gone, come !! who changes the process
         type(peers_t) :: peers
-        type(integers_t) :: row !! where the parcels of an exchange lie
+        type(integers_t) :: row !! where the messages of an exchange lie
     contains
         procedure :: open, refresh, aim, announce, send, send_apart, offer, take
-    end type gpu_parcels_t
+    end type gpu_message_buffers_t
 
 contains
 
     !> Get ready for the ghosts of now.
     subroutine open (self, ranks, out, in, most, err)
-        class(gpu_parcels_t), intent(inout) :: self
+        class(gpu_message_buffers_t), intent(inout) :: self
         type(ranks_t), intent(in) :: ranks
-        type(parcels_t), intent(in) :: out, in !! ghosts of now
+        type(message_buffers_t), intent(in) :: out, in !! ghosts of now
         integer, intent(in) :: most !! words of 4 B of a particle in a message
         type(error_t), intent(inout) :: err
 
@@ -53,8 +53,8 @@ contains
 
     !> Get ready to send a list: all processes hear how many go from each to each.
     subroutine announce(self, list, err)
-        class(gpu_parcels_t), intent(inout) :: self
-        type(parcels_t), intent(inout) :: list
+        class(gpu_message_buffers_t), intent(inout) :: self
+        type(message_buffers_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
         integer(int64) :: all(1, self%ranks%n, self%ranks%n), number(1, self%ranks%n)
 
@@ -65,7 +65,7 @@ contains
 
     !> Bring the rows of ghosts in some arrays up to date.
     subroutine refresh(self, arrays, err)
-        class(gpu_parcels_t), intent(inout) :: self
+        class(gpu_message_buffers_t), intent(inout) :: self
         type(rows_t), intent(in) :: arrays(:)
         type(error_t), intent(inout) :: err
 
@@ -74,9 +74,9 @@ contains
 
     !> Get ready to send a list of which all processes know how many go from each to each.
     subroutine aim(self, number, list, err)
-        class(gpu_parcels_t), intent(inout) :: self
+        class(gpu_message_buffers_t), intent(inout) :: self
         integer(int64), intent(in) :: number(:, :) !! (to processes, from processes)
-        type(parcels_t), intent(inout) :: list
+        type(message_buffers_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
 
         call self%peers%aim(number, 4*self%most, list, err)
@@ -85,8 +85,8 @@ contains
     !> Send the rows of listed particles to others, and put those that come where a list says, in
     !> arrays with as many words of each.
     subroutine send(self, out, in, from, to, err)
-        class(gpu_parcels_t), intent(inout) :: self
-        type(parcels_t), intent(inout) :: out, in !! all processes have aimed `out`
+        class(gpu_message_buffers_t), intent(inout) :: self
+        type(message_buffers_t), intent(inout) :: out, in !! all processes have aimed `out`
         type(rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
 
@@ -95,13 +95,13 @@ contains
         call self%take(in, to, .false., err)
     end subroutine send
 
-    !> The same, where what the process has for itself goes to the places of its parcel in another
+    !> The same, where what the process has for itself goes to the places of its message in another
     !> list, in other arrays: while all meet.
     subroutine send_apart(self, out, in, from, to, own_in, own_to, err)
-        class(gpu_parcels_t), intent(inout) :: self
-        type(parcels_t), intent(inout) :: out, in
+        class(gpu_message_buffers_t), intent(inout) :: self
+        type(message_buffers_t), intent(inout) :: out, in
         type(rows_t), intent(in) :: from(:), to(:), own_to(:)
-        type(parcels_t), intent(in) :: own_in
+        type(message_buffers_t), intent(in) :: own_in
         type(error_t), intent(inout) :: err
 
         call self%offer(out, in, from, err)
@@ -111,8 +111,8 @@ contains
 
     !> The first half of it: others get their rows. It may be repeated.
     subroutine offer(self, out, in, from, err)
-        class(gpu_parcels_t), intent(inout) :: self
-        type(parcels_t), intent(inout) :: out, in
+        class(gpu_message_buffers_t), intent(inout) :: self
+        type(message_buffers_t), intent(inout) :: out, in
         type(rows_t), intent(in) :: from(:)
         type(error_t), intent(inout) :: err
         integer :: wide
@@ -125,14 +125,15 @@ contains
         call self%peers%begin(out, in, 4*wide, self%row, err)
         call make_record(from, record, a)
         if (out%tiled > 0) call place_kernels%pick_record(wide*out%tiled, wide, record, &
-            out%parcels, at(out%place), a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), self%row, err)
+            out%messages, at(out%place), a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), self%row, &
+            err)
         call self%peers%finish(err)
     end subroutine offer
 
     !> The second half.
     subroutine take(self, in, to, met, err)
-        class(gpu_parcels_t), intent(inout) :: self
-        type(parcels_t), intent(inout) :: in
+        class(gpu_message_buffers_t), intent(inout) :: self
+        type(message_buffers_t), intent(inout) :: in
         type(rows_t), intent(in) :: to(:)
         logical, intent(in) :: met !! see swap
         type(error_t), intent(inout) :: err
@@ -142,7 +143,7 @@ contains
         call self%peers%swap(met, err)
         call make_record(to, record, a)
         if (in%tiled > 0) call place_kernels%put_record(words_of(to)*in%tiled, words_of(to), &
-            record, in%parcels, at(in%place), self%row, a(1), a(2), a(3), a(4), a(5), a(6), a(7), &
+            record, in%messages, at(in%place), self%row, a(1), a(2), a(3), a(4), a(5), a(6), a(7), &
             a(8), err)
     end subroutine take
 
@@ -153,9 +154,9 @@ contains
         wide = (sum(rows%words*rows%columns) + 1)/2*2
     end function words_of
 
-    !> The places of parcel r and those behind it.
+    !> The places of message r and those behind it.
     type(integers_t) function from_place(list, r) result(place)
-        type(parcels_t), intent(in) :: list
+        type(message_buffers_t), intent(in) :: list
         integer, intent(in) :: r
 
         place = integers_t(address=on_device(list%place(list%first(r):)))
@@ -163,8 +164,8 @@ contains
 
     !> What a process has for itself: from array to array, in runs where both lists say so.
     subroutine carry(self, out, in, from, to, err)
-        class(gpu_parcels_t), intent(in) :: self
-        type(parcels_t), intent(in) :: out, in
+        class(gpu_message_buffers_t), intent(in) :: self
+        type(message_buffers_t), intent(in) :: out, in
         type(rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
         integer :: k
@@ -236,4 +237,4 @@ contains
             array(k) = arrays(k)%of
         end do
     end subroutine make_record
-end module brz_gpu_parcels
+end module brz_gpu_message_buffers

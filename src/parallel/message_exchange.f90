@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> Message exchange: bytes from every process to every other one, one parcel for each, some of them
+!> Message exchange: bytes from every process to every other one, one message for each, some of them
 !> empty.
 !>
-!> First all tell each other how long the parcels are (`tell_counts`), then both sides make room
+!> First all tell each other how long the messages are (`tell_counts`), then both sides make room
 !> (`make_room`), and `post` sends them, as often as there is something new in them.
-module brz_mail
+module brz_message_exchange
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int64, int8
@@ -14,22 +14,22 @@ module brz_mail
     use brz_timer, only: lap, wall_seconds
     implicit none
     private
-    public :: mail_t, tell_counts, tell_all, make_room, post, greet, put_numbers, take_numbers, &
-              outgoing, incoming
+    public :: message_exchange_t, tell_counts, tell_all, make_room, post, greet, put_numbers, &
+              take_numbers, outgoing, incoming
 
     integer, parameter :: tag = 90
-    integer, parameter :: unit = 8 !! bytes: parcels are sent as numbers of so many
+    integer, parameter :: unit = 8 !! bytes: messages are sent as numbers of so many
 
-    !> Parcel r is bytes first(r) to first(r + 1) - 1; parcels are whole numbers of units.
-    type :: mail_t
+    !> Message r is bytes first(r) to first(r + 1) - 1; messages are whole numbers of units.
+    type :: message_exchange_t
         integer(int64), allocatable :: out_first(:), in_first(:) !! (0:processes)
         integer(int8), allocatable :: out(:), in(:) !! bytes
         type(c_ptr), allocatable :: requests(:)
         !> In copies of the processes: beside what file those for the first go, see
-        !> brz_parcel_files, and what has gone wrong.
+        !> brz_message_files, and what has gone wrong.
         character(:), allocatable :: path
         type(error_t) :: fault
-    end type mail_t
+    end type message_exchange_t
 
 contains
 
@@ -60,29 +60,29 @@ contains
         all = reshape(heard, shape(all))
     end subroutine tell_all
 
-    !> Room for parcels of so many bytes, or with `elsewhere` only where they begin.
-    subroutine make_room(ranks, out, in, mail, elsewhere)
+    !> Room for messages of so many bytes, or with `elsewhere` only where they begin.
+    subroutine make_room(ranks, out, in, exchange, elsewhere)
         type(ranks_t), intent(in) :: ranks
         integer(int64), intent(in) :: out(0:), in(0:) !! (processes) bytes to and from each
-        type(mail_t), intent(inout) :: mail
+        type(message_exchange_t), intent(inout) :: exchange
         logical, intent(in), optional :: elsewhere !! they do not pass through the host
         integer :: r
 
-        if (.not. allocated(mail%requests)) then
-            allocate (mail%requests(2*ranks%n))
-            allocate (mail%out_first(0:ranks%n), mail%in_first(0:ranks%n))
-            mail%out_first(0) = 1
-            mail%in_first(0) = 1
+        if (.not. allocated(exchange%requests)) then
+            allocate (exchange%requests(2*ranks%n))
+            allocate (exchange%out_first(0:ranks%n), exchange%in_first(0:ranks%n))
+            exchange%out_first(0) = 1
+            exchange%in_first(0) = 1
         end if
         do r = 0, ranks%n - 1
-            mail%out_first(r + 1) = mail%out_first(r) + (out(r) + unit - 1)/unit*unit
-            mail%in_first(r + 1) = mail%in_first(r) + (in(r) + unit - 1)/unit*unit
+            exchange%out_first(r + 1) = exchange%out_first(r) + (out(r) + unit - 1)/unit*unit
+            exchange%in_first(r + 1) = exchange%in_first(r) + (in(r) + unit - 1)/unit*unit
         end do
         if (present(elsewhere)) then
             if (elsewhere) return
         end if
-        call lengthen(mail%out_first(ranks%n), mail%out)
-        call lengthen(mail%in_first(ranks%n), mail%in)
+        call lengthen(exchange%out_first(ranks%n), exchange%out)
+        call lengthen(exchange%in_first(ranks%n), exchange%in)
     end subroutine make_room
 
     !> Room for n bytes, with something to spare.
@@ -97,56 +97,58 @@ contains
         allocate (bytes(n + n/4))
     end subroutine lengthen
 
-    !> Fill the parcel to a process with numbers; there is room for them.
-    subroutine put_numbers(mail, r, x)
-        type(mail_t), intent(inout), target :: mail
+    !> Fill the message to a process with numbers; there is room for them.
+    subroutine put_numbers(exchange, r, x)
+        type(message_exchange_t), intent(inout), target :: exchange
         integer, intent(in) :: r !! process
         real(dp), intent(in) :: x(:, :)
         real(dp), pointer :: there(:, :)
 
         if (size(x) == 0) return
-        call c_f_pointer(c_loc(mail%out(mail%out_first(r))), there, shape(x))
+        call c_f_pointer(c_loc(exchange%out(exchange%out_first(r))), there, shape(x))
         there = x
     end subroutine put_numbers
 
-    !> The numbers that a parcel from a process holds.
-    subroutine take_numbers(mail, r, x)
-        type(mail_t), intent(in), target :: mail
+    !> The numbers that a message from a process holds.
+    subroutine take_numbers(exchange, r, x)
+        type(message_exchange_t), intent(in), target :: exchange
         integer, intent(in) :: r !! process
         real(dp), intent(out) :: x(:, :)
         real(dp), pointer :: there(:, :)
 
         if (size(x) == 0) return
-        call c_f_pointer(c_loc(mail%in(mail%in_first(r))), there, shape(x))
+        call c_f_pointer(c_loc(exchange%in(exchange%in_first(r))), there, shape(x))
         x = there
     end subroutine take_numbers
 
-    !> The numbers of the parcel to a process, to be filled in place.
-    function outgoing(mail, r, rows) result(x)
-        type(mail_t), intent(in), target :: mail
+    !> The numbers of the message to a process, to be filled in place.
+    function outgoing(exchange, r, rows) result(x)
+        type(message_exchange_t), intent(in), target :: exchange
         integer, intent(in) :: r, rows !! process; numbers that go together
         real(dp), pointer, contiguous :: x(:, :) !! (rows, ...)
         integer(int64) :: numbers
 
-        numbers = (mail%out_first(r + 1) - mail%out_first(r))/unit
-        call c_f_pointer(c_loc(mail%out(mail%out_first(r))), x, [int(rows, int64), numbers/rows])
+        numbers = (exchange%out_first(r + 1) - exchange%out_first(r))/unit
+        call c_f_pointer(c_loc(exchange%out(exchange%out_first(r))), x, [int(rows, int64), &
+            numbers/rows])
     end function outgoing
 
-    !> The numbers of the parcel from a process, where they have come to.
-    function incoming(mail, r, rows) result(x)
-        type(mail_t), intent(in), target :: mail
+    !> The numbers of the message from a process, where they have come to.
+    function incoming(exchange, r, rows) result(x)
+        type(message_exchange_t), intent(in), target :: exchange
         integer, intent(in) :: r, rows !! process; numbers that go together
         real(dp), pointer, contiguous :: x(:, :) !! (rows, ...)
         integer(int64) :: numbers
 
-        numbers = (mail%in_first(r + 1) - mail%in_first(r))/unit
-        call c_f_pointer(c_loc(mail%in(mail%in_first(r))), x, [int(rows, int64), numbers/rows])
+        numbers = (exchange%in_first(r + 1) - exchange%in_first(r))/unit
+        call c_f_pointer(c_loc(exchange%in(exchange%in_first(r))), x, [int(rows, int64), &
+            numbers/rows])
     end function incoming
 
-    !> Send all parcels, and wait for those of the others. One to oneself is copied.
-    subroutine post(ranks, mail)
+    !> Send all messages, and wait for those of the others. One to oneself is copied.
+    subroutine post(ranks, exchange)
         type(ranks_t), intent(in) :: ranks
-        type(mail_t), intent(inout), target :: mail
+        type(message_exchange_t), intent(inout), target :: exchange
         integer(c_int) :: status
         integer :: n, r
         real(dp) :: mark
@@ -154,27 +156,28 @@ contains
         mark = wall_seconds()
         n = 0
         do r = 0, ranks%n - 1
-            associate (from => mail%in_first(r), bytes => mail%in_first(r + 1) - mail%in_first(r))
+            associate (from => exchange%in_first(r), bytes => exchange%in_first(r + 1) - &
+                exchange%in_first(r))
                 if (r == ranks%rank .or. bytes == 0) cycle
                 n = n + 1
-                status = mpi_irecv(c_loc(mail%in(from)), int(bytes/unit, c_int), mpi_double, &
-                                   int(r, c_int), int(tag, c_int), ranks%comm, mail%requests(n))
+                status = mpi_irecv(c_loc(exchange%in(from)), int(bytes/unit, c_int), mpi_double, &
+                                   int(r, c_int), int(tag, c_int), ranks%comm, exchange%requests(n))
             end associate
         end do
         do r = 0, ranks%n - 1
-            associate (from => mail%out_first(r), &
-                       bytes => mail%out_first(r + 1) - mail%out_first(r))
+            associate (from => exchange%out_first(r), &
+                       bytes => exchange%out_first(r + 1) - exchange%out_first(r))
                 if (r == ranks%rank .or. bytes == 0) cycle
                 n = n + 1
-                status = mpi_isend(c_loc(mail%out(from)), int(bytes/unit, c_int), mpi_double, &
-                                   int(r, c_int), int(tag, c_int), ranks%comm, mail%requests(n))
+                status = mpi_isend(c_loc(exchange%out(from)), int(bytes/unit, c_int), mpi_double, &
+                                   int(r, c_int), int(tag, c_int), ranks%comm, exchange%requests(n))
             end associate
         end do
-        associate (to => mail%in_first(ranks%rank), from => mail%out_first(ranks%rank), &
-                   bytes => mail%in_first(ranks%rank + 1) - mail%in_first(ranks%rank))
-            mail%in(to:to + bytes - 1) = mail%out(from:from + bytes - 1)
+        associate (to => exchange%in_first(ranks%rank), from => exchange%out_first(ranks%rank), &
+                   bytes => exchange%in_first(ranks%rank + 1) - exchange%in_first(ranks%rank))
+            exchange%in(to:to + bytes - 1) = exchange%out(from:from + bytes - 1)
         end associate
-        status = mpi_waitall(int(n, c_int), mail%requests, c_null_ptr)
+        status = mpi_waitall(int(n, c_int), exchange%requests, c_null_ptr)
         traffic%fetches = traffic%fetches + 1
         call lap(mark, traffic%seconds)
     end subroutine post
@@ -201,4 +204,4 @@ contains
         traffic%fetches = traffic%fetches + 1
         call lap(mark, traffic%seconds)
     end subroutine greet
-end module brz_mail
+end module brz_message_exchange

@@ -1,26 +1,27 @@
 ! SPDX-License-Identifier: MIT
-!> Parcels for the first process by way of files: copies of the processes, which write beside the
-!> run, cannot send messages. Each leaves its parcel in a file beside what is to be written, and the
-!> copy of the first waits for those of all others. A file without bytes says that one has failed.
-module brz_parcel_files
+!> Messages for the first process by way of files: copies of the processes, which write beside the
+!> run, cannot send messages. Each leaves its message in a file beside what is to be written, and
+!> the copy of the first waits for those of all others. A file without bytes says that one has
+!> failed.
+module brz_message_files
     use, intrinsic :: iso_c_binding, only: c_loc
     use brz_byte_file, only: add_from, byte_file_t, close_bytes, open_bytes, read_into, to_make, &
                              to_read
     use brz_errors, only: error_t, exit_io, failed, raise
     use brz_files, only: file_exists, remove_file, rename_file
     use brz_kinds, only: int64
-    use brz_mail, only: mail_t
+    use brz_message_exchange, only: message_exchange_t
     use brz_process, only: is_orphan, rest
     use brz_ranks, only: ranks_t
     use brz_text, only: to_text
     implicit none
     private
-    public :: post_by_files, give_up_parcel, forget_parcel
+    public :: post_by_files, give_up_message, forget_message
 
 contains
 
-    !> Name of the parcel of a process.
-    pure function parcel_name(path, rank) result(name)
+    !> Name of the message of a process.
+    pure function message_name(path, rank) result(name)
         character(*), intent(in) :: path !! of what is to be written
         integer, intent(in) :: rank
         character(:), allocatable :: name
@@ -28,38 +29,41 @@ contains
 
         write (digits, '(i0.3)') rank + 1
         name = path//'.'//trim(digits)//'.parcel'
-    end function parcel_name
+    end function message_name
 
-    !> Hand all parcels for the first process over; others must be empty. Raises exit_io where a
+    !> Hand all messages for the first process over; others must be empty. Raises exit_io where a
     !> file cannot be written or read, or a process has given up or ended.
-    subroutine post_by_files(ranks, mail, path, err)
+    subroutine post_by_files(ranks, exchange, path, err)
         type(ranks_t), intent(in) :: ranks
-        type(mail_t), intent(inout), target :: mail
+        type(message_exchange_t), intent(inout), target :: exchange
         character(*), intent(in) :: path !! of what is to be written
         type(error_t), intent(inout) :: err
         type(byte_file_t) :: file
         integer :: r
 
-        associate (first => mail%out_first(0), bytes => mail%out_first(1) - mail%out_first(0))
+        associate (first => exchange%out_first(0), bytes => exchange%out_first(1) - &
+            exchange%out_first(0))
             if (ranks%rank == 0) then
-                mail%in(mail%in_first(0):mail%in_first(1) - 1) = mail%out(first:first + bytes - 1)
+                exchange%in(exchange%in_first(0):exchange%in_first(1) - 1) = &
+                    exchange%out(first:first + bytes - 1)
             else if (bytes > 0) then
-                call open_bytes(file, parcel_name(path, ranks%rank)//'.tmp', to_make, err)
-                call add_from(file, c_loc(mail%out(first)), bytes, err)
+                call open_bytes(file, message_name(path, ranks%rank)//'.tmp', to_make, err)
+                call add_from(file, c_loc(exchange%out(first)), bytes, err)
                 call close_bytes(file, err)
                 if (.not. failed(err)) call rename_file(file%path, &
-                    parcel_name(path, ranks%rank), err)
+                    message_name(path, ranks%rank), err)
             end if
         end associate
         if (ranks%rank > 0) return
         do r = 1, ranks%n - 1
-            if (mail%in_first(r + 1) > mail%in_first(r)) call take_parcel(mail, r, path, err)
+            if (exchange%in_first(r + 1) > exchange%in_first(r)) &
+                call take_message(exchange, r, path, err)
         end do
     end subroutine post_by_files
 
-    !> Wait for the parcel of a process, read it, and remove its file.
-    subroutine take_parcel(mail, r, path, err)
-        type(mail_t), intent(inout), target :: mail
+    !> Wait for the message of a process, read it, and remove its file.
+    subroutine take_message(exchange, r, path, err)
+        type(message_exchange_t), intent(inout), target :: exchange
         integer, intent(in) :: r
         character(*), intent(in) :: path
         type(error_t), intent(inout) :: err
@@ -67,42 +71,42 @@ contains
         character(:), allocatable :: name
         integer(int64) :: n
 
-        name = parcel_name(path, r)
-        associate (first => mail%in_first(r), &
-                   bytes => mail%in_first(r + 1) - mail%in_first(r))
+        name = message_name(path, r)
+        associate (first => exchange%in_first(r), &
+                   bytes => exchange%in_first(r + 1) - exchange%in_first(r))
             do while (.not. (file_exists(name) .or. failed(err)))
                 call rest()
                 if (is_orphan()) call raise(err, exit_io, path//': the run has ended')
             end do
             call open_bytes(file, name, to_read, err)
             n = 0
-            if (.not. failed(err)) call read_into(file, c_loc(mail%in(first)), bytes, n, err)
+            if (.not. failed(err)) call read_into(file, c_loc(exchange%in(first)), bytes, n, err)
             call close_bytes(file, err)
             if (n < bytes) call raise(err, exit_io, path//': the particles of process '// &
                                       to_text(r + 1)//' have not come')
             call remove_file(name)
         end associate
-    end subroutine take_parcel
+    end subroutine take_message
 
-    !> The parcel of this process does not come: whoever waits for it need not.
-    subroutine give_up_parcel(ranks, path)
+    !> The message of this process does not come: whoever waits for it need not.
+    subroutine give_up_message(ranks, path)
         type(ranks_t), intent(in) :: ranks
         character(*), intent(in) :: path !! of what was to be written
         type(byte_file_t) :: file
         type(error_t) :: err
 
         if (ranks%rank == 0) return
-        call forget_parcel(ranks, path)
-        call open_bytes(file, parcel_name(path, ranks%rank), to_make, err)
+        call forget_message(ranks, path)
+        call open_bytes(file, message_name(path, ranks%rank), to_make, err)
         call close_bytes(file, err)
-    end subroutine give_up_parcel
+    end subroutine give_up_message
 
-    !> Remove what is left of a parcel of this process.
-    subroutine forget_parcel(ranks, path)
+    !> Remove what is left of a message of this process.
+    subroutine forget_message(ranks, path)
         type(ranks_t), intent(in) :: ranks
         character(*), intent(in) :: path
 
-        call remove_file(parcel_name(path, ranks%rank))
-        call remove_file(parcel_name(path, ranks%rank)//'.tmp')
-    end subroutine forget_parcel
-end module brz_parcel_files
+        call remove_file(message_name(path, ranks%rank))
+        call remove_file(message_name(path, ranks%rank)//'.tmp')
+    end subroutine forget_message
+end module brz_message_files
