@@ -9,7 +9,7 @@ program brisance
     use brz_key, only: key_t
     use brz_key_table, only: all_keys
     use brz_material_driver, only: drive_material
-    use brz_ranks, only: agree, end_ranks, ranks_t, start_ranks
+    use brz_ranks, only: reduce_errors, end_ranks, ranks_t, start_ranks
     use brz_screen, only: check_screen, hold_standard_units, say, show
     use brz_run, only: run_deck
     use brz_version, only: commit, compiler, flags, precision, version
@@ -56,7 +56,7 @@ program brisance
         end select
     end if
     call check_screen(err)
-    if (.not. (failed(err) .and. options%command == 'run')) call agree(ranks, err)
+    if (.not. (failed(err) .and. options%command == 'run')) call reduce_errors(ranks, err)
     if (allocated(err%text)) then
         if (err%text /= '') write (error_unit, '(a)') err%text
     end if

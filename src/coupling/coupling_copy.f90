@@ -18,7 +18,7 @@ module brz_coupling_copy
     use brz_kinds, only: dp, int32, int64, rk
     use brz_load_loops, only: for_each_wall_speed
     use brz_present_table, only: attach, buffer_of
-    use brz_ranks, only: agree, several
+    use brz_ranks, only: reduce_errors, several
     use brz_shared_steps, only: put_halos
     use brz_snapshots, only: snapshot_t
     use brz_solid_state, only: solid_t
@@ -40,7 +40,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call enter_coupling(solid, c, err)
-        call agree(air%part%ranks, err)
+        call reduce_errors(air%part%ranks, err)
         if (failed(err)) return
         call attach(c%wall%solid, air%device%walls%solid)
         call attach(c%wall%index, air%device%walls%index)

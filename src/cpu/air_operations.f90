@@ -80,11 +80,11 @@ contains
     subroutine find_bad(air, found)
         type(air_t), intent(inout) :: air
         logical, intent(out) :: found
-        integer(int64) :: vote(1)
+        integer(int64) :: reduction(1)
 
-        vote = air%found
-        call most_of_all(air%part%ranks, vote)
-        found = vote(1) > 0
+        reduction = air%found
+        call most_of_all(air%part%ranks, reduction)
+        found = reduction(1) > 0
         air%found = 0
     end subroutine find_bad
 

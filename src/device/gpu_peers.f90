@@ -20,7 +20,7 @@ module brz_gpu_peers
     use brz_message_exchange, only: greet, message_exchange_t, make_room, post, tell_counts
     use brz_place_items, only: tile
     use brz_places, only: message_buffers_t
-    use brz_ranks, only: agree, least_of_all, ranks_t, several
+    use brz_ranks, only: reduce_errors, least_of_all, ranks_t, several
     implicit none
     private
     public :: peers_t
@@ -92,7 +92,7 @@ contains
         do r = 0, self%ranks%n - 1
             if (self%place(r) /= 0 .and. r /= self%ranks%rank) code = cu_ipc_close(self%place(r))
         end do
-        call agree(self%ranks, none)
+        call reduce_errors(self%ranks, none)
         call free_buffer(self%arena)
         deallocate (self%place)
         self%linked = .false.

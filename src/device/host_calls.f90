@@ -17,7 +17,7 @@ module brz_host_calls
     integer, parameter :: to_read = 3 !! to the host, which waits
     integer, parameter :: to_wait = 4 !! for the GPU
     integer, parameter :: to_reserve = 5 !! memory, or to give it back
-    integer, parameter :: to_tell = 6 !! other processes: votes, counts, messages, greetings
+    integer, parameter :: to_tell = 6 !! other processes: all-reduces, counts, messages, greetings
     integer, parameter :: n_kinds = 6
 
     type :: share_t
@@ -50,8 +50,8 @@ contains
         integer :: k
 
         if (.not. counting) return
-        associate (part => parts(now), messages => (traffic%votes + traffic%fetches) &
-                   - (said%votes + said%fetches))
+        associate (part => parts(now), messages => (traffic%reductions + traffic%fetches) &
+                   - (said%reductions + said%fetches))
             part%seconds = part%seconds + (wall_seconds() - since)
             part%calls(to_tell) = part%calls(to_tell) + messages
             part%inside(to_tell) = part%inside(to_tell) + (traffic%seconds - said%seconds)

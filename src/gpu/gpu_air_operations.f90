@@ -14,7 +14,7 @@ module brz_gpu_air_operations
     use brz_fallback_items, only: to_redo
     use brz_gpu_air_state, only: bytes_of_real
     use brz_kinds, only: dp, int64, int8, rk
-    use brz_ranks, only: agree
+    use brz_ranks, only: reduce_errors
     implicit none
     private
     public :: get_ready, sweep_all, find_bad, take_found, redo, find_lost_cell
@@ -61,7 +61,8 @@ contains
         if (gpu%n_near > 0) call redo_cells(gpu, air, stage, gpu%n_near, 0, to_redo, err)
     end subroutine sweep_all
 
-    !> Others get ghosts of the next state, before all of them vote on it: see take_ghosts.
+    !> Others get ghosts of the next state, before all of them reduce their errors, with it: see
+    !> take_ghosts.
     subroutine offer_ghosts(gpu, err)
         type(air_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
@@ -126,7 +127,7 @@ contains
 
         call take_found(gpu, number, err)
         none = merge(1, 0, number == 0)
-        call agree(air%part%ranks, err, none)
+        call reduce_errors(air%part%ranks, err, none)
         found = none(1) < 1 .and. .not. failed(err)
     end subroutine find_bad
 

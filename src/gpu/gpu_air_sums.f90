@@ -12,7 +12,7 @@ module brz_gpu_air_sums
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64
-    use brz_ranks, only: agree
+    use brz_ranks, only: reduce_errors
     implicit none
     private
     public :: gpu_air_time_step, gpu_air_totals, gpu_outflow
@@ -34,7 +34,7 @@ contains
                                    gpu%walls%solid, gpu%bricks%awake, gpu%part, err)
         least = cfl/gpu%common%largest(gpu%part, air%n(1)*air%n(2)*columns, err)
         if (present(fastest)) least = min(least, cfl/max(fastest, tiny(dt)))
-        call agree(air%part%ranks, err, least)
+        call reduce_errors(air%part%ranks, err, least)
         dt = least(1)
     end function gpu_air_time_step
 

@@ -20,7 +20,8 @@ module brz_gpu_solid_ghosts
 
 contains
 
-    !> Others get what take_motion takes, before all of them vote on lists: mostly these last.
+    !> Others get what take_motion takes, before all of them reduce their errors, with lists: mostly
+    !> these last.
     subroutine offer_motion(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
@@ -41,7 +42,7 @@ contains
         if (several(solid%ranks)) call gpu%ghosts%refresh(motion_of(gpu), err)
     end subroutine refresh_motion
 
-    !> The same after the vote.
+    !> The same after the all-reduce.
     subroutine take_motion(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid

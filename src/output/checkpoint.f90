@@ -26,7 +26,7 @@ module brz_checkpoint
     use brz_kinds, only: dp
     use brz_meta, only: describe_run, meta_t, write_meta
     use brz_output_folder, only: checkpoint_begin, checkpoint_end, checkpoint_name
-    use brz_ranks, only: agree, ranks_t, several, share_text
+    use brz_ranks, only: reduce_errors, ranks_t, several, share_text
     use brz_seal, only: check_seal
     use brz_solid_diagnostics, only: keep_diagnostics_of_first
     use brz_solid_owner, only: hold_all, share_out
@@ -145,7 +145,7 @@ contains
         end if
         call h5_close(file, err)
         if (.not. several(solid%ranks)) return
-        call agree(solid%ranks, err)
+        call reduce_errors(solid%ranks, err)
         if (failed(err)) return
         if (coupling%present) call share_coupling(all, solid, coupling)
         call keep_diagnostics_of_first(solid)
@@ -222,7 +222,7 @@ contains
             if (.not. failed(err)) call check_parts(path, title, err)
         end if
         if (.not. present(ranks)) return
-        call agree(ranks, err)
+        call reduce_errors(ranks, err)
         call share_text(ranks, 0, path)
     end subroutine find_checkpoint
 

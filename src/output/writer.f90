@@ -3,7 +3,7 @@
 !> and ends. Several may write at once; they are heard in the order in which they began.
 !>
 !> Of several processes each has a copy that writes, and such files are there when all copies have
-!> ended well: the processes vote on it.
+!> ended well: the processes reduce their errors.
 !>
 !> Worth it where the host has nothing else to do: compression of a dump takes one core some hundred
 !> times as long as a step takes the GPU.
@@ -14,7 +14,7 @@ module brz_writer
     use brz_kinds, only: dp, int64
     use brz_memory, only: free_memory, held_memory
     use brz_process, only: copy_process, has_ended, leave_process
-    use brz_ranks, only: agree, most_of_all, ranks_t, several
+    use brz_ranks, only: reduce_errors, most_of_all, ranks_t, several
     use brz_timer, only: wall_seconds
     use omp_lib, only: omp_get_max_threads, omp_get_num_procs
     implicit none
@@ -126,26 +126,26 @@ contains
         type(writer_t), intent(out) :: writer
         logical, intent(out) :: ended !! well, in this call
         type(error_t), intent(inout) :: err
-        integer(int64) :: votes(2)
+        integer(int64) :: reductions(2)
         integer :: m
 
         ended = .false.
         if (writers%n == 0) return
         associate (first => writers%of(1))
             if (.not. first%ended) first%ended = has_ended(first%copy, wait, first%code)
-            votes = [merge(0, 1, first%ended), merge(first%code, 0, first%ended)]
-            call most_of_all(ranks, votes)
+            reductions = [merge(0, 1, first%ended), merge(first%code, 0, first%ended)]
+            call most_of_all(ranks, reductions)
             writer = first
-            if (votes(1) > 0) return
+            if (reductions(1) > 0) return
         end associate
         writer%seconds = wall_seconds() - writer%begin
         do m = 2, writers%n
             writers%of(m - 1) = writers%of(m)
         end do
         writers%n = writers%n - 1
-        ended = votes(2) == 0
+        ended = reductions(2) == 0
         if (ended) return
         if (writer%code /= 0) call raise(err, exit_io, writer%what//' could not be written')
-        call agree(ranks, err)
+        call reduce_errors(ranks, err)
     end subroutine hear_writer
 end module brz_writer

@@ -44,7 +44,7 @@ contains
         mark = wall_seconds()
         status = mpi_alltoall(c_loc(out), size(out, 1, kind=c_int), mpi_int64, c_loc(in), &
                               size(in, 1, kind=c_int), mpi_int64, ranks%comm)
-        traffic%votes = traffic%votes + 1
+        traffic%reductions = traffic%reductions + 1
         call lap(mark, traffic%seconds)
     end subroutine tell_counts
 

@@ -19,7 +19,7 @@ module brz_ranks
     private
     public :: ranks_t, start_ranks, end_ranks, join_ranks, several
     public :: traffic_t, traffic
-    public :: agree, least_of_all, most_of_all, sum_of_all, bits_of_all, share_text
+    public :: reduce_errors, least_of_all, most_of_all, sum_of_all, bits_of_all, share_text
 
     type :: ranks_t
         integer :: n = 1 !! processes
@@ -31,7 +31,7 @@ module brz_ranks
 
     !> What this process has said to others so far, and how long that took.
     type :: traffic_t
-        integer(int64) :: votes = 0 !! numbers reduced over all processes, messages of it
+        integer(int64) :: reductions = 0 !! numbers reduced over all processes, messages of it
         integer(int64) :: fetches = 0 !! fields fetched
         real(dp) :: seconds = 0 !! in both, most of them waiting
     end type traffic_t
@@ -143,29 +143,29 @@ contains
         several = ranks%n > 1
     end function several
 
-    !> The vote: if any process has an error, all get that of the lowest one that has. `least`
-    !> becomes the least of all in the same message.
-    subroutine agree(ranks, err, least)
+    !> An all-reduce of errors: if any process has an error, all get that of the lowest one that
+    !> has. `least` becomes the least of all in the same message.
+    subroutine reduce_errors(ranks, err, least)
         type(ranks_t), intent(in) :: ranks
         type(error_t), intent(inout) :: err
         real(dp), intent(inout), optional :: least(:)
-        real(dp), allocatable :: vote(:)
+        real(dp), allocatable :: reduction(:)
         integer :: n, speaker, how_many
 
         if (.not. several(ranks)) return
         n = 0
         if (present(least)) n = size(least)
-        allocate (vote(n + 1))
-        vote(1) = merge(ranks%rank, ranks%n, failed(err))
-        if (n > 0) vote(2:) = least
-        call least_of_all(ranks, vote)
-        if (n > 0) least = vote(2:)
-        speaker = nint(vote(1))
+        allocate (reduction(n + 1))
+        reduction(1) = merge(ranks%rank, ranks%n, failed(err))
+        if (n > 0) reduction(2:) = least
+        call least_of_all(ranks, reduction)
+        if (n > 0) least = reduction(2:)
+        speaker = nint(reduction(1))
         if (speaker == ranks%n) return
-        vote(1) = merge(1, 0, failed(err))
-        how_many = nint(total(ranks, vote(1)))
+        reduction(1) = merge(1, 0, failed(err))
+        how_many = nint(total(ranks, reduction(1)))
         call share_error(ranks, speaker, how_many < ranks%n, err)
-    end subroutine agree
+    end subroutine reduce_errors
 
     !> Give all processes the error of one.
     subroutine share_error(ranks, speaker, named, err)
@@ -258,7 +258,7 @@ contains
 
         mark = wall_seconds()
         status = mpi_allreduce(mpi_in_place(), numbers, n, type, operation, ranks%comm)
-        traffic%votes = traffic%votes + 1
+        traffic%reductions = traffic%reductions + 1
         call lap(mark, traffic%seconds)
     end subroutine reduce
 

@@ -4,7 +4,7 @@ module brz_solid_faults
     use brz_errors, only: error_t, exit_numerical, raise
     use brz_kinds, only: dp, int64, rk
     use brz_move_level, only: lost_level
-    use brz_ranks, only: agree, several
+    use brz_ranks, only: reduce_errors, several
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none
@@ -64,7 +64,7 @@ contains
         if (.not. several(solid%ranks)) return
         limit(0) = solid%dt_limit
         limit(1:) = solid%bodies%dt_limit
-        call agree(solid%ranks, err, limit)
+        call reduce_errors(solid%ranks, err, limit)
         solid%dt_limit = limit(0)
         solid%bodies%dt_limit = limit(1:)
     end subroutine agree_on_step

@@ -106,25 +106,25 @@ contains
                 .and. plies_agree(p, q, a) .and. fixes_agree(p, q, a) .and. regions_agree(p, q, a)
     end function is_image
 
-    pure logical function places_agree(p, q, a) result(agree)
+    pure logical function places_agree(p, q, a) result(reduce_errors)
         type(body_case_t), intent(in) :: p, q
         integer, intent(in) :: a
         integer :: b
 
-        agree = .true.
+        reduce_errors = .true.
         do b = 1, 3
             if (b == a) then
-                agree = agree .and. opposite(p%lo(b), q%hi(b)) .and. opposite(p%hi(b), q%lo(b)) &
-                        .and. opposite(p%centre(b), q%centre(b))
+                reduce_errors = reduce_errors .and. opposite(p%lo(b), q%hi(b)) .and. &
+                        opposite(p%hi(b), q%lo(b)) .and. opposite(p%centre(b), q%centre(b))
             else
-                agree = agree .and. same(p%lo(b), q%lo(b)) .and. same(p%hi(b), q%hi(b)) &
-                        .and. same(p%centre(b), q%centre(b))
+                reduce_errors = reduce_errors .and. same(p%lo(b), q%lo(b)) .and. &
+                        same(p%hi(b), q%hi(b)) .and. same(p%centre(b), q%centre(b))
             end if
         end do
     end function places_agree
 
     !> Velocity and prescribed motion turn round along the axis, a spin along the other two.
-    pure logical function motions_agree(p, q, a) result(agree)
+    pure logical function motions_agree(p, q, a) result(reduce_errors)
         type(body_case_t), intent(in) :: p, q
         integer, intent(in) :: a
         real(dp) :: turn(3)
@@ -132,30 +132,30 @@ contains
 
         turn = 1
         turn(a) = -1
-        agree = all(same(p%velocity, turn*q%velocity)) .and. all(same(p%spin, -turn*q%spin)) &
-                .and. (p%about_point .eqv. q%about_point) &
+        reduce_errors = all(same(p%velocity, turn*q%velocity)) .and. &
+                all(same(p%spin, -turn*q%spin)) .and. (p%about_point .eqv. q%about_point) &
                 .and. all(same(p%spin_centre, turn*q%spin_centre)) .and. p%n_motion == q%n_motion
-        if (.not. agree) return
+        if (.not. reduce_errors) return
         do m = 1, p%n_motion
-            agree = agree .and. same(p%motion_time(m), q%motion_time(m)) .and. &
+            reduce_errors = reduce_errors .and. same(p%motion_time(m), q%motion_time(m)) .and. &
                     all(same(p%motion_velocity(:, m), turn*q%motion_velocity(:, m)))
         end do
     end function motions_agree
 
     !> Each region that a motion moves has an image that moves as its image does.
-    pure logical function regions_agree(p, q, a) result(agree)
+    pure logical function regions_agree(p, q, a) result(reduce_errors)
         type(body_case_t), intent(in) :: p, q
         integer, intent(in) :: a
         integer :: i, j
 
-        agree = allocated(p%regions) .eqv. allocated(q%regions)
-        if (.not. (agree .and. allocated(p%regions))) return
-        agree = size(p%regions) == size(q%regions)
+        reduce_errors = allocated(p%regions) .eqv. allocated(q%regions)
+        if (.not. (reduce_errors .and. allocated(p%regions))) return
+        reduce_errors = size(p%regions) == size(q%regions)
         do i = 1, size(p%regions)
-            if (.not. agree) return
-            agree = .false.
+            if (.not. reduce_errors) return
+            reduce_errors = .false.
             do j = 1, size(q%regions)
-                agree = agree .or. region_agrees(p%regions(i), q%regions(j), a)
+                reduce_errors = reduce_errors .or. region_agrees(p%regions(i), q%regions(j), a)
             end do
         end do
     end function regions_agree
@@ -178,44 +178,44 @@ contains
     end function region_agrees
 
     !> Across the plies their order turns round; in their plane only 0 and 90 degrees are even.
-    pure logical function plies_agree(p, q, a) result(agree)
+    pure logical function plies_agree(p, q, a) result(reduce_errors)
         type(body_case_t), intent(in) :: p, q
         integer, intent(in) :: a
         integer :: n
 
         n = p%n_plies
-        agree = n == q%n_plies .and. p%ply_axis == q%ply_axis
-        if (.not. agree .or. n == 0) return
+        reduce_errors = n == q%n_plies .and. p%ply_axis == q%ply_axis
+        if (.not. reduce_errors .or. n == 0) return
         if (index('xyz', p%ply_axis) == a) then
-            agree = all(same(p%ply_angle(:n), q%ply_angle(n:1:-1)))
+            reduce_errors = all(same(p%ply_angle(:n), q%ply_angle(n:1:-1)))
         else
-            agree = all(same(p%ply_angle(:n), q%ply_angle(:n))) .and. &
+            reduce_errors = all(same(p%ply_angle(:n), q%ply_angle(:n))) .and. &
                     all(same(modulo(p%ply_angle(:n) + 1, 90.0_dp), 1.0_dp))
         end if
     end function plies_agree
 
     !> Faces and regions that are held.
-    pure logical function fixes_agree(p, q, a) result(agree)
+    pure logical function fixes_agree(p, q, a) result(reduce_errors)
         type(body_case_t), intent(in) :: p, q
         integer, intent(in) :: a
         character(1) :: axis
         integer :: k
 
-        agree = same(p%fix_width, q%fix_width) .and. p%fix_layers == q%fix_layers
+        reduce_errors = same(p%fix_width, q%fix_width) .and. p%fix_layers == q%fix_layers
         axis = 'xyz' (a:a)
         do k = 1, size(p%fix)
             if (p%fix(k) == axis//'-') then
-                agree = agree .and. any(q%fix == axis//'+')
+                reduce_errors = reduce_errors .and. any(q%fix == axis//'+')
             else if (p%fix(k) == axis//'+') then
-                agree = agree .and. any(q%fix == axis//'-')
+                reduce_errors = reduce_errors .and. any(q%fix == axis//'-')
             else
-                agree = agree .and. any(q%fix == p%fix(k))
+                reduce_errors = reduce_errors .and. any(q%fix == p%fix(k))
             end if
         end do
-        agree = agree .and. boxes_agree(p%fix_box(:, :p%n_fix_boxes), &
+        reduce_errors = reduce_errors .and. boxes_agree(p%fix_box(:, :p%n_fix_boxes), &
                                         q%fix_box(:, :q%n_fix_boxes), a)
         do k = 1, 3
-            agree = agree .and. boxes_agree(rollers_of(p, k), rollers_of(q, k), a)
+            reduce_errors = reduce_errors .and. boxes_agree(rollers_of(p, k), rollers_of(q, k), a)
         end do
     end function fixes_agree
 
@@ -234,20 +234,20 @@ contains
     end function rollers_of
 
     !> Is every box of one list the image of one of the other? Corners x0, x1, y0, y1, z0, z1.
-    pure logical function boxes_agree(p, q, a) result(agree)
+    pure logical function boxes_agree(p, q, a) result(reduce_errors)
         real(dp), intent(in) :: p(:, :), q(:, :) !! (6, boxes)
         integer, intent(in) :: a
         real(dp) :: image(6)
         integer :: i, j
 
-        agree = size(p, 2) == size(q, 2)
+        reduce_errors = size(p, 2) == size(q, 2)
         do i = 1, size(p, 2)
-            if (.not. agree) return
+            if (.not. reduce_errors) return
             image = p(:, i)
             image(2*a - 1:2*a) = -p([2*a, 2*a - 1], i)
-            agree = .false.
+            reduce_errors = .false.
             do j = 1, size(q, 2)
-                agree = agree .or. all(same(image, q(:, j)))
+                reduce_errors = reduce_errors .or. all(same(image, q(:, j)))
             end do
         end do
     end function boxes_agree

@@ -24,7 +24,7 @@ module brz_outputs
     use brz_output_folder, only: folder_fresh, folder_replace, folder_resume, holds_histories, &
                                  prepare_folder
     use brz_progress, only: progress_line
-    use brz_ranks, only: agree
+    use brz_ranks, only: reduce_errors
     use brz_timer, only: lap, wall_seconds
     use brz_saves, only: hear_writers, on_gpu, save_dump, save_state, saves_t
     use brz_simulation, only: simulation_t
@@ -71,7 +71,7 @@ contains
         leads = sim%ranks%rank == 0
         if (leads) call lock_folder(outputs%folder, note, err)
         if (note /= '') write (error_unit, '(a)') note
-        call agree(sim%ranks, err)
+        call reduce_errors(sim%ranks, err)
         if (.not. outputs%resumed .and. leads) then
             call prepare_folder(outputs%folder, trim(sim%case%run%job), sim%case%echo, &
                                 merge(folder_replace, folder_fresh, options%replace), err)
@@ -81,7 +81,7 @@ contains
             if (.not. (outputs%continued .or. failed(err))) write (error_unit, '(a)') &
                 outputs%folder//': holds no histories; they begin at the checkpoint'
         end if
-        call agree(sim%ranks, err)
+        call reduce_errors(sim%ranks, err)
         if (failed(err)) return
         call set_up_gauges(sim%case, sim%solid, outputs%gauges, err)
         call open_histories(sim, outputs, err)
@@ -91,9 +91,9 @@ contains
         outputs%saves%dumps%leads = leads
         outputs%saves%together%folder = outputs%folder
         if (leads .and. outputs%resumed) call go_on(sim, outputs, err)
-        call agree(sim%ranks, err)
+        call reduce_errors(sim%ranks, err)
         if (.not. outputs%resumed) call write_early(sim, outputs, err)
-        call agree(sim%ranks, err)
+        call reduce_errors(sim%ranks, err)
     end subroutine open_outputs
 
     !> Drop what a run has left behind the checkpoint that it goes on from.
@@ -255,7 +255,7 @@ contains
 
         call audit_scene(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, sim%start, &
                         audit, err)
-        call agree(sim%ranks, err)
+        call reduce_errors(sim%ranks, err)
         if (failed(err)) return
         outputs%energy_error = audit%energy_error
         call append_row(outputs%energy, audit_row(audit), err)
@@ -274,7 +274,7 @@ contains
                            outputs%gauge_values)
             call append_row(outputs%gauge_history, outputs%gauge_values, err)
         end if
-        call agree(sim%ranks, err)
+        call reduce_errors(sim%ranks, err)
         if (failed(err)) return
         call watch_region(sim, audit%outside, outputs%outside, err)
         call watch_limited(sim, audit%limited_cells, outputs%held)
@@ -311,7 +311,7 @@ contains
         apart = .false.
         if (present(beside)) apart = beside
         call flush_all(outputs, err, sync=.true.)
-        call agree(sim%ranks, err)
+        call reduce_errors(sim%ranks, err)
         sim%clock%marks = [outputs%energy%mark, outputs%bodies%mark, outputs%gauge_history%mark]
         call save_state(sim, outputs%saves, apart, err)
     end subroutine save_checkpoint

@@ -20,7 +20,7 @@ module brz_run
                            write_due
     use brz_print_early, only: print_charges, print_early
     use brz_progress, only: start_progress
-    use brz_ranks, only: agree, ranks_t, several, share_text
+    use brz_ranks, only: reduce_errors, ranks_t, several, share_text
     use brz_run_axial, only: run_axial
     use brz_run_radial, only: run_radial
     use brz_run_ranks, only: cut_air, print_ranks, refuse_on_ranks, settle_threads
@@ -60,12 +60,12 @@ contains
         call read_scene(options, sim, err)
         call plan_ranks(options, ranks, sim, err)
         call open_backend(sim, err)
-        call agree(sim%ranks, err)
+        call reduce_errors(sim%ranks, err)
         if (failed(err)) return
         if (.not. options%check) call listen_to_signals()
         if (is_radial(sim%case)) then
             if (sim%ranks%rank == 0) call run_first(options, sim, err)
-            call agree(sim%ranks, err)
+            call reduce_errors(sim%ranks, err)
             return
         end if
         call size_scene(sim%case, size_of, err)
@@ -79,14 +79,14 @@ contains
             if (large) return
         end if
         call refuse_too_large(size_of, sim%ranks, err)
-        call agree(sim%ranks, err)
+        call reduce_errors(sim%ranks, err)
         if (failed(err)) return
         call start_clock(sim%case, sim%clock, options%walltime)
         if (.not. options%check) call begin_setup(sim%case%output%report_every)
         if (several(sim%ranks) .and. sim%case%air%present) sim%boxes = size_of%boxes
         call set_up_simulation(sim, err)
         call end_setup()
-        call agree(sim%ranks, err)
+        call reduce_errors(sim%ranks, err)
         if (failed(err)) return
         call settle_backend(trim(sim%case%run%backend), sim%solid, sim%coupling, sim%backend, &
                             note, err)
@@ -109,11 +109,11 @@ contains
         if (failed(err)) return
         call time_loop(sim, outputs, err)
         call close_outputs(sim, outputs, closing) ! the rows up to a failure are the ones that tell
-        call agree(sim%ranks, closing)
+        call reduce_errors(sim%ranks, closing)
         if (.not. failed(err)) err = closing
         if (failed(err) .and. err%code /= exit_stopped) return
         call print_summary(sim, outputs, closing)
-        call agree(sim%ranks, closing)
+        call reduce_errors(sim%ranks, closing)
         if (.not. failed(err)) err = closing
     end subroutine run_deck
 
@@ -141,7 +141,7 @@ contains
 
         mark = wall_seconds()
         call start_backend(sim%backend, sim%air, sim%coupling, sim%solid, err)
-        call agree(sim%ranks, err)
+        call reduce_errors(sim%ranks, err)
         if (failed(err) .or. .not. on_gpu(sim)) return
         write (seconds, '(f12.1)') wall_seconds() - mark
         call say('GPU          code, state and lists: '//trim(adjustl(seconds))//' s')
@@ -216,7 +216,7 @@ contains
         do while (sim%clock%time < sim%case%run%t_end .and. .not. failed(err))
             if (sim%clock%cycle >= sim%case%run%max_steps) exit
             call advance(sim, err)
-            call agree(sim%ranks, err)
+            call reduce_errors(sim%ranks, err)
             if (failed(err)) exit
             call enter_part('output')
             call write_due(sim, outputs, err)
@@ -298,7 +298,7 @@ contains
         if (note /= '') write (error_unit, '(a)') note
         wish = [1, merge(0, 1, stop), merge(sim%ranks%rank, sim%ranks%n, stop)]
         if (checkpoint_asked()) wish(1) = 0
-        call agree(sim%ranks, err, wish)
+        call reduce_errors(sim%ranks, err, wish)
         if (failed(err)) return
         if (wish(1) < 1) call save_checkpoint(sim, outputs, err)
         if (wish(2) >= 1 .or. failed(err)) return

@@ -10,7 +10,7 @@ module brz_saves
     use brz_kinds, only: dp
     use brz_output_folder, only: checkpoint_name
     use brz_message_files, only: forget_message, give_up_message
-    use brz_ranks, only: agree, several
+    use brz_ranks, only: reduce_errors, several
     use brz_simulation, only: simulation_t
     use brz_snapshots, only: snapshot_t, use_snapshot
     use brz_text, only: to_text
@@ -52,7 +52,7 @@ contains
                 exit
             end if
             call written(sim, saves, writer, err)
-            call agree(sim%ranks, err) ! names are given by the first
+            call reduce_errors(sim%ranks, err) ! names are given by the first
         end do
     end subroutine hear_writers
 
@@ -148,7 +148,7 @@ contains
             call take_snapshot(sim%backend, sim%air, sim%solid, sim%coupling, snapshot)
         if (snapshot%room == 0) &
             call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
-        call agree(sim%ranks, err)
+        call reduce_errors(sim%ranks, err)
         call lap(mark, saves%fetching)
         if (failed(err)) return
         call begin_writing(saves%writers, sim%ranks, writer, here, last)
@@ -188,13 +188,13 @@ contains
             ! those that began before have their names first
             if (.not. writer%listed) call hear_writers(sim, saves, 0, err)
         end if
-        call agree(sim%ranks, err)
+        call reduce_errors(sim%ranks, err)
         call lap(mark, saves%writing)
         if (failed(err)) return
         sim%clock%dump_number = sim%clock%dump_number + 1
         sim%clock%dump_time = sim%clock%time
         if (here .and. .not. writer%listed) call written(sim, saves, writer, err)
-        call agree(sim%ranks, err)
+        call reduce_errors(sim%ranks, err)
     end subroutine save_dump
 
     !> Write a checkpoint; the histories up to it must be on the disk.
@@ -228,13 +228,13 @@ contains
                 call hear_writers(sim, saves, 0, err) ! those before it first
             call write_checkpoint(saves%together, sim%case, sim%clock, sim%air, sim%coupling, &
                                   sim%solid, sums, err)
-            if (.not. apart) call agree(sim%ranks, err)
+            if (.not. apart) call reduce_errors(sim%ranks, err)
             if (failed(err) .and. saves%dumps%leads) &
                 call remove_checkpoint(saves%dumps%folder, writer%step)
             call end_writing(saves%writers, writer, err)
             if (allocated(saves%together%whole)) deallocate (saves%together%whole)
             if (.not. (failed(err) .or. writer%listed)) call written(sim, saves, writer, err)
-            call agree(sim%ranks, err)
+            call reduce_errors(sim%ranks, err)
         end if
         call lap(mark, saves%writing)
         if (.not. failed(err)) saves%saved_cycle = sim%clock%cycle

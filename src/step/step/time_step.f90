@@ -14,7 +14,7 @@ module brz_time_step
     use brz_face_load, only: first_arrival
     use brz_host_calls, only: enter_part
     use brz_kinds, only: dp, int64
-    use brz_ranks, only: agree
+    use brz_ranks, only: reduce_errors
     use brz_simulation, only: simulation_t
     use brz_solid_sleep, only: particles_awake
     use brz_solid_start, only: solid_time_step
@@ -217,7 +217,7 @@ contains
         call end_part(sim, err)
         if (sim%solid%on_gpu) sim%solid%device%fetched = .false.
         if (any(sim%solid%bodies%asleep)) call wake_loaded(sim%solid, sim%coupling, dt, err)
-        if (sim%coupling%on_gpu) call agree(sim%solid%ranks, err)
+        if (sim%coupling%on_gpu) call reduce_errors(sim%solid%ranks, err)
         if (particles_awake(sim%solid) > 0) sim%substeps = substeps(sim, dt)
     end subroutine load_solid
 
