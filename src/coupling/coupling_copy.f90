@@ -66,9 +66,9 @@ contains
         c%on_gpu = .true.
         allocate (c%device)
         c%rebuilds = -1
-        c%bodies = size(c%carrier)
+        c%bodies = size(c%driven)
         call enter_bytes(c%shells, storage_size(c%shells)/8_int64, err)
-        call enter_bytes(c%carrier, size(c%carrier)*(storage_size(c%carrier)/8_int64), err)
+        call enter_bytes(c%driven, size(c%driven)*(storage_size(c%driven)/8_int64), err)
         call enter_data(c%mark, err)
         c%slot = 0
         call enter_data(c%slot, err)

@@ -2,7 +2,7 @@
 !> Copies of particles of all processes for the process in whose halo of the air they are, and
 !> what goes back: their loads. See brz_coupling_part.
 module brz_coupling_ghost_steps
-    use brz_carrier_steps, only: sum_shifts
+    use brz_driven_body_steps, only: sum_shifts
     use brz_coupling_ghosts, only: find_runs, send_coupling_ghosts
     use brz_coupling_part, only: introduce, list_now, may_have_come
     use brz_coupling_state, only: coupling_t

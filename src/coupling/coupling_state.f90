@@ -8,7 +8,7 @@
 !> reaches the solid.
 module brz_coupling_state
     use brz_air_state, only: wall_t
-    use brz_carrier_rules, only: carrier_t
+    use brz_driven_body_rules, only: driven_body_t
     use brz_cell_shells, only: shells_t
     use brz_column_rules, only: side_of
     use brz_coupling_box, only: box_t
@@ -89,7 +89,8 @@ module brz_coupling_state
         real(rk), allocatable :: next_deferred(:, :)
         integer(int32), allocatable :: start(:) !! counts that become places in lists
         ! loads
-        type(carrier_t), allocatable :: carrier(:) !! (bodies) how those move that carry particles
+        type(driven_body_t), allocatable :: driven(:) !! (bodies) how those move that carry
+                                                      !! particles
         real(dp), allocatable :: shift(:, :) !! (3, bodies) mass times the way to middles of cells,
                                              !! summed over the particles of a rigid body [kg m]
         integer(int32), allocatable :: felt(:) !! (bodies) 1: has a load beyond rounding

@@ -3,7 +3,7 @@
 !> the air, the operations in their order.
 module brz_coupling_steps
     use brz_air_state, only: air_t
-    use brz_carrier_steps, only: move_carriers, see_carriers
+    use brz_driven_body_steps, only: move_driven_bodies, see_driven_bodies
     use brz_coupling_state, only: coupling_t
     use brz_deferred_source_steps, only: level_cell_stores, limit_cell_stores, &
         release_deferred_sources
@@ -25,12 +25,12 @@ contains
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
-        call see_carriers(solid, p, c, err)
+        call see_driven_bodies(solid, p, c, err)
         call find_mean_velocity(p, c, err)
     end subroutine move_walls
 
     !> Velocities of the walls in the middle of the coming step, where that of a particle a step
-    !> ago is a column of v_before. Walls and carriers are as move_walls left them.
+    !> ago is a column of v_before. Walls and driven bodies are as move_walls left them.
     subroutine find_velocities(air, solid, p, c, dt, v_before, column, err)
         type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid
@@ -43,7 +43,7 @@ contains
 
         call weigh_columns(p, c, err)
         call feel_gas(air, c, err)
-        call move_carriers(solid, p, c, dt, err)
+        call move_driven_bodies(solid, p, c, dt, err)
         call push_walls(p, c, dt, v_before, column, err)
     end subroutine find_velocities
 

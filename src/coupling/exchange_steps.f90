@@ -3,7 +3,7 @@
 !> of the particles, cells that change hands.
 module brz_exchange_steps
     use brz_air_state, only: air_t
-    use brz_carrier_steps, only: sum_loads
+    use brz_driven_body_steps, only: sum_loads
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: find_velocities
     use brz_coupling_windows, only: offer_window, see_halo

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Velocities of the walls, from the particles in the solid cells.
 module brz_velocity_items
-    use brz_carrier_rules, only: carried_velocity, carrier_at, carrier_t, is_carried
+    use brz_driven_body_rules, only: carried_velocity, driven_body_at, driven_body_t, is_carried
     use brz_cell_place, only: cell_middle
     use brz_column_items, only: depth_weight, force_from, look_ahead
     use brz_column_rules, only: direction_of
@@ -13,7 +13,7 @@ module brz_velocity_items
     implicit none
     private
     public :: mean_velocity_of, push_wall, keep_velocity
-    public :: carrier_of
+    public :: driven_body_of
 
     integer, parameter :: at_once = 4 !! particles of a bin
 
@@ -21,28 +21,28 @@ contains
 
     !> The body that carries a particle, or 0.
     !@cuf attributes(host,device) &
-    pure function carrier_of(bodies, carrier, p, fixed) result(b)
+    pure function driven_body_of(bodies, driven, p, fixed) result(b)
         integer, intent(in) :: bodies
-        type(carrier_t), intent(in) :: carrier(bodies)
+        type(driven_body_t), intent(in) :: driven(bodies)
         integer, intent(in) :: p !! particle
         integer(int32), intent(in) :: fixed !! how it is held
         integer :: b
 
-        b = carrier_at(bodies, carrier, p)
-        if (.not. is_carried(carrier(b)%carries, fixed == is_fixed)) b = 0
-    end function carrier_of
+        b = driven_body_at(bodies, driven, p)
+        if (.not. is_carried(driven(b)%carries, fixed == is_fixed)) b = 0
+    end function driven_body_of
 
     !> Velocity that a body gives to the walls of the cell that holds a particle of it [m/s].
     !@cuf attributes(host,device) &
-    pure function carried_at(box, carrier, x) result(v)
+    pure function carried_at(box, driven, x) result(v)
         type(box_t), intent(in) :: box
-        type(carrier_t), intent(in) :: carrier
+        type(driven_body_t), intent(in) :: driven
         real(dp), intent(in) :: x(3) !! of the particle [m]
         real(rk) :: v(3)
         real(dp) :: middle(3)
 
         middle = cell_middle(x, box%lo, box%dx)
-        v = carried_velocity(carrier, middle)
+        v = carried_velocity(driven, middle)
     end function carried_at
 
     !> Particles of a bin from one on, their masses, how they are held, and those behind them.
@@ -71,12 +71,12 @@ contains
     !> rows.
     !@item if(9*n >= worth_threads) schedule(static, 192)
     !@cuf attributes(host,device) &
-    pure subroutine mean_velocity_of(t, box, wide, bodies, carrier, ends, binned, x, v, mass, &
+    pure subroutine mean_velocity_of(t, box, wide, bodies, driven, ends, binned, x, v, mass, &
                                      fixed, v_wall)
         integer, intent(in) :: t !! directions of solid cells
         type(box_t), intent(in) :: box
         integer, intent(in) :: wide, bodies !! rows of x and v, bodies
-        type(carrier_t), intent(in) :: carrier(bodies)
+        type(driven_body_t), intent(in) :: driven(bodies)
         integer(int32), intent(in) :: ends(*), binned(*)
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: v(wide, *), mass(*)
@@ -97,9 +97,9 @@ contains
             end do
             do q = 1, at_once
                 if (i + q - 1 > ends(c + 1)) exit
-                b = carrier_of(bodies, carrier, some(q), hold(q))
+                b = driven_body_of(bodies, driven, some(q), hold(q))
                 if (b > 0) then
-                    w = carried_at(box, carrier(b), x(1, some(q)))
+                    w = carried_at(box, driven(b), x(1, some(q)))
                     now(q) = along(d, w)
                 end if
                 total = total + m(q)
@@ -118,7 +118,7 @@ contains
     !> item of its own: three threads of a GPU side by side read the same rows.
     !@item if(9*n >= worth_threads) schedule(dynamic, 192)
     !@cuf attributes(host,device) &
-    pure subroutine push_wall(t, box, wide, stride_d, stride_p, bodies, dt, dt_before, carrier, &
+    pure subroutine push_wall(t, box, wide, stride_d, stride_p, bodies, dt, dt_before, driven, &
                               gas, rows, owner, face_of, above, ends, binned, x, v, mass, load, &
                               v_before, id, fixed, surface, weight, force, impedance, v_wall)
         integer, intent(in) :: t !! directions of solid cells
@@ -126,7 +126,7 @@ contains
         integer, intent(in) :: wide, bodies !! rows of x and v, bodies
         integer, intent(in) :: stride_d, stride_p !! distances in `load` of directions, of particles
         real(rk), intent(in) :: dt, dt_before !! this and the last step of the air, 0: none [s]
-        type(carrier_t), intent(in) :: carrier(bodies) !! in the middle of the step
+        type(driven_body_t), intent(in) :: driven(bodies) !! in the middle of the step
         integer(int32), intent(in) :: gas(*), rows(*), owner(*)
         integer, intent(in) :: face_of(6, *), above(6, *)
         integer(int32), intent(in) :: ends(*), binned(*)
@@ -165,9 +165,9 @@ contains
             do q = 1, at_once
                 if (i + q - 1 > ends(c + 1)) exit
                 held = held .or. hold(q) == is_fixed
-                b = carrier_of(bodies, carrier, some(q), hold(q))
+                b = driven_body_of(bodies, driven, some(q), hold(q))
                 if (b > 0) then
-                    w = carried_at(box, carrier(b), x(1, some(q)))
+                    w = carried_at(box, driven(b), x(1, some(q)))
                     carried = carried + m(q)
                     momentum = momentum + m(q)*along(d, w)
                     cycle
@@ -190,7 +190,7 @@ contains
                 f = above(row, c)
                 if (f == 0) cycle
                 part = share_of_face(c, box, rows(f), row, gas(f), surface(f), wide, bodies, &
-                                     carrier, ends, binned, x, mass, fixed)/weight(f)
+                                     driven, ends, binned, x, mass, fixed)/weight(f)
                 change = change + part*force_from(rows(f), row, force(f))
                 if (owner(f) == c .and. rows(f) == row) z = z + part*impedance(f)
             end do
@@ -210,7 +210,7 @@ contains
 
     !> Weight of the particles of a cell that nothing carries in the load of a face [kg].
     !@cuf attributes(host,device) &
-    pure function share_of_face(c, box, row, seen, gas, surface, wide, bodies, carrier, ends, &
+    pure function share_of_face(c, box, row, seen, gas, surface, wide, bodies, driven, ends, &
                                 binned, x, mass, fixed) result(part)
         integer, intent(in) :: c !! the cell
         type(box_t), intent(in) :: box
@@ -218,7 +218,7 @@ contains
         integer(int32), intent(in) :: gas !! its gas cell
         real(dp), intent(in) :: surface !! of its column [m]
         integer, intent(in) :: wide, bodies !! rows of x, bodies
-        type(carrier_t), intent(in) :: carrier(bodies)
+        type(driven_body_t), intent(in) :: driven(bodies)
         integer(int32), intent(in) :: ends(*), binned(*)
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: mass(*)
@@ -237,7 +237,7 @@ contains
             end do
             do q = 1, at_once
                 if (i + q - 1 > ends(c + 1)) exit
-                if (carrier_of(bodies, carrier, some(q), hold(q)) > 0) cycle
+                if (driven_body_of(bodies, driven, some(q), hold(q)) > 0) cycle
                 part = part + depth_weight(box, row, seen, gas, surface, y(q), m(q))
             end do
         end do

@@ -20,14 +20,14 @@ module brz_wall_steps
 contains
 
     !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
-    !> carries them, else as it is kept, half a step before. The carriers must be there.
+    !> carries them, else as it is kept, half a step before. The driven bodies must be there.
     subroutine find_mean_velocity(p, c, err)
         type(solid_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
         call for_each_mean_velocity_of(c%on_gpu, 3*c%wall%n_cells, c%box, p%wide, c%bodies, &
-                                       c%carrier, c%ends, c%binned, p%x, p%v, p%mass, p%fixed, &
+                                       c%driven, c%ends, c%binned, p%x, p%v, p%mass, p%fixed, &
                                        c%wall%v, err)
     end subroutine find_mean_velocity
 
@@ -63,7 +63,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call for_each_push_wall(c%on_gpu, 3*c%wall%n_cells, c%box, p%wide, p%stride_d, p%stride_p, &
-                                c%bodies, real(dt, rk), real(c%dt_before, rk), c%carrier, c%gas, &
+                                c%bodies, real(dt, rk), real(c%dt_before, rk), c%driven, c%gas, &
                                 c%rows, c%wall%face_cell, c%wall%face_of, c%above, c%ends, &
                                 c%binned, p%x, p%v, p%mass, p%load, v_before, column, p%fixed, &
                                 c%surface, c%weight, c%force, c%impedance, c%wall%v, err)

@@ -12,7 +12,7 @@ program bench_gpu_coupling
     use brz_air_state, only: air_t, set_scale
     use brz_bench_floors, only: argument
     use brz_air_walls, only: set_up_walls
-    use brz_carrier_motion, only: read_carriers
+    use brz_driven_body_motion, only: read_driven_bodies
     use brz_cell_shells, only: make_shells
     use brz_coupling_copy, only: fastest_wall, open_gpu_coupling
     use brz_coupling_setup, only: make_box
@@ -88,7 +88,7 @@ contains
         call make_shells(air%n, coupling%shells)
         coupling%level = 1/27.0_rk
         call set_up_walls(air, coupling%wall)
-        call read_carriers(solid, coupling%carrier)
+        call read_driven_bodies(solid, coupling%driven)
         allocate (coupling%mark(n(1), n(2), n(3)), coupling%slot(n(1), n(2), n(3)))
         allocate (coupling%cell_of(solid%n), coupling%place_of(solid%n), coupling%binned(solid%n))
         allocate (coupling%v_before(3, solid%n), source=0.0_rk)

@@ -12,8 +12,8 @@ module brz_loads
     type :: facets_t
         integer :: n = 0
         integer :: carriers = 0 !! particles that carry some
-        integer(int32), allocatable :: first(:) !! (carriers + 1) first facet of each
-        integer(int32), allocatable :: owner(:) !! (carriers) process that has it, from 1
+        integer(int32), allocatable :: first(:) !! (driven bodies + 1) first facet of each
+        integer(int32), allocatable :: owner(:) !! (driven bodies) process that has it, from 1
         integer(int32), allocatable :: id(:) !! (n) of the particle
         integer(int32), allocatable :: load(:) !! (n) in the order of the deck
         integer(int32), allocatable :: beside(:, :) !! (4, n) ids of the neighbours along the first

@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Rigid and driven bodies, which carry their particles. Their velocity is known at every place, and
 !> is the velocity of the walls there. Point physics: compiled for the CPU and for the GPU.
-module brz_carrier_rules
+module brz_driven_body_rules
     use brz_kinds, only: dp, rk
     implicit none
     private
-    public :: carrier_t, carries_none, carries_held, carries_all
-    public :: carrier_at, is_carried, carried_velocity
+    public :: driven_body_t, carries_none, carries_held, carries_all
+    public :: driven_body_at, is_carried, carried_velocity
     public :: add_force, add_yield, n_push, push_force, push_torque, push_yield, push_turn
 
     integer, parameter :: carries_none = 0, carries_held = 1, carries_all = 2
@@ -18,21 +18,21 @@ module brz_carrier_rules
     integer, parameter :: n_push = 18
 
     !> A body, and the velocity that it gives its walls: v + spin x (x - centre).
-    type :: carrier_t
+    type :: driven_body_t
         integer :: first = 1, last = 0 !! particles
         integer :: carries = carries_none !! which of them
         real(dp) :: centre(3) = 0 !! [m]
         real(dp) :: v(3) = 0 !! [m/s]
         real(dp) :: spin(3) = 0 !! [1/s]
-    end type carrier_t
+    end type driven_body_t
 
 contains
 
-    !> Place of the carrier that a particle belongs to.
+    !> Place of the driven body that a particle belongs to.
     !@cuf attributes(host,device) &
-    pure function carrier_at(n, carriers, p) result(b)
-        integer, intent(in) :: n !! carriers, in the order of their particles
-        type(carrier_t), intent(in) :: carriers(n)
+    pure function driven_body_at(n, driven_bodies, p) result(b)
+        integer, intent(in) :: n !! driven bodies, in the order of their particles
+        type(driven_body_t), intent(in) :: driven_bodies(n)
         integer, intent(in) :: p !! particle
         integer :: b, low, high
 
@@ -40,14 +40,14 @@ contains
         high = n
         do while (low < high)
             b = (low + high + 1)/2
-            if (carriers(b)%first > p) then
+            if (driven_bodies(b)%first > p) then
                 high = b - 1
             else
                 low = b
             end if
         end do
         b = low
-    end function carrier_at
+    end function driven_body_at
 
     !> True for a particle whose velocity its body gives.
     !@cuf attributes(host,device) &
@@ -59,10 +59,10 @@ contains
         carried = carries == carries_all .or. (carries == carries_held .and. held)
     end function is_carried
 
-    !> Velocity that a carrier gives the walls of a cell that holds a particle of it [m/s].
+    !> Velocity that a driven body gives the walls of a cell that holds a particle of it [m/s].
     !@cuf attributes(host,device) &
-    pure function carried_velocity(carrier, middle) result(v)
-        type(carrier_t), intent(in) :: carrier
+    pure function carried_velocity(driven, middle) result(v)
+        type(driven_body_t), intent(in) :: driven
         real(dp), intent(in) :: middle(3) !! of the cell [m]
         real(rk) :: v(3)
         integer :: d, i, j
@@ -70,8 +70,8 @@ contains
         do d = 1, 3
             i = mod(d, 3) + 1
             j = mod(d + 1, 3) + 1
-            v(d) = real(carrier%v(d) + carrier%spin(i)*(middle(j) - carrier%centre(j)) &
-                        - carrier%spin(j)*(middle(i) - carrier%centre(i)), rk)
+            v(d) = real(driven%v(d) + driven%spin(i)*(middle(j) - driven%centre(j)) &
+                        - driven%spin(j)*(middle(i) - driven%centre(i)), rk)
         end do
     end function carried_velocity
 
@@ -118,4 +118,4 @@ contains
             end do
         end do
     end subroutine add_yield
-end module brz_carrier_rules
+end module brz_driven_body_rules

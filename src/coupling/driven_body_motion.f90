@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> How bodies that carry particles move: at the step, and in the middle of the coming step of the
 !> air.
-module brz_carrier_motion
+module brz_driven_body_motion
     use brz_algebra, only: inverse3
-    use brz_carrier_rules, only: carrier_t, carries_all, carries_held, carries_none, n_push, &
-                                 push_force, push_torque, push_turn, push_yield
+    use brz_driven_body_rules, only: driven_body_t, carries_all, carries_held, carries_none, &
+                                 n_push, push_force, push_torque, push_turn, push_yield
     use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp, rk
     use brz_load_rules, only: lightness, pushed_velocity
@@ -14,84 +14,84 @@ module brz_carrier_motion
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: read_carriers, foresee_carriers
+    public :: read_driven_bodies, foresee_driven_bodies
 
 contains
 
     !> Motion of the bodies at the step: with the load up to it, and with what else acts on them
     !> half a step of theirs before, for that is the velocity that the load works on.
-    subroutine read_carriers(solid, carrier)
+    subroutine read_driven_bodies(solid, driven)
         type(solid_t), intent(in) :: solid
-        type(carrier_t), allocatable, intent(inout) :: carrier(:) !! one for each body
+        type(driven_body_t), allocatable, intent(inout) :: driven(:) !! one for each body
         integer :: b
 
-        if (.not. allocated(carrier)) call number_carriers(solid, carrier)
-        do b = 1, size(carrier)
+        if (.not. allocated(driven)) call number_driven_bodies(solid, driven)
+        do b = 1, size(driven)
             if (allocated(solid%bodies)) then ! on several processes they change
-                carrier(b)%first = solid%bodies(b)%first
-                carrier(b)%last = solid%bodies(b)%last
+                driven(b)%first = solid%bodies(b)%first
+                driven(b)%last = solid%bodies(b)%last
             end if
-            if (carrier(b)%carries == carries_none) cycle
-            if (carrier(b)%carries == carries_all) then
+            if (driven(b)%carries == carries_none) cycle
+            if (driven(b)%carries == carries_all) then
                 associate (r => solid%bodies(b)%rigid)
-                    carrier(b)%centre = r%x
-                    carrier(b)%v = r%p/r%mass
-                    carrier(b)%spin = spin_of(r%compliance, r%q, r%l)
+                    driven(b)%centre = r%x
+                    driven(b)%v = r%p/r%mass
+                    driven(b)%spin = spin_of(r%compliance, r%q, r%l)
                 end associate
             end if
             if (solid%bodies(b)%motion%n > 0) &
-                carrier(b)%v = velocity_of(solid%bodies(b)%motion, solid%time)
+                driven(b)%v = velocity_of(solid%bodies(b)%motion, solid%time)
         end do
-    end subroutine read_carriers
+    end subroutine read_driven_bodies
 
     !> Which bodies carry particles, and which.
-    subroutine number_carriers(solid, carrier)
+    subroutine number_driven_bodies(solid, driven)
         type(solid_t), intent(in) :: solid
-        type(carrier_t), allocatable, intent(out) :: carrier(:)
+        type(driven_body_t), allocatable, intent(out) :: driven(:)
         integer :: b
 
         if (.not. allocated(solid%bodies)) then
-            allocate (carrier(1))
-            carrier(1)%last = solid%n
+            allocate (driven(1))
+            driven(1)%last = solid%n
             return
         end if
-        allocate (carrier(size(solid%bodies)))
-        do b = 1, size(carrier)
+        allocate (driven(size(solid%bodies)))
+        do b = 1, size(driven)
             associate (body => solid%bodies(b))
-                carrier(b)%first = body%first
-                carrier(b)%last = body%last
-                if (body%motion%n > 0) carrier(b)%carries = carries_held
-                if (body%formulation == form_rigid) carrier(b)%carries = carries_all
+                driven(b)%first = body%first
+                driven(b)%last = body%last
+                if (body%motion%n > 0) driven(b)%carries = carries_held
+                if (body%formulation == form_rigid) driven(b)%carries = carries_all
             end associate
         end do
-    end subroutine number_carriers
+    end subroutine number_driven_bodies
 
     !> Motion of the bodies in the middle of the coming step of the air, from that at its start.
-    pure subroutine foresee_carriers(solid, push, dt, carrier)
+    pure subroutine foresee_driven_bodies(solid, push, dt, driven)
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: push(:, :) !! (n_push, bodies) of the gas, see add_push
         real(dp), intent(in) :: dt !! [s]
-        type(carrier_t), intent(inout) :: carrier(:)
+        type(driven_body_t), intent(inout) :: driven(:)
         type(rigid_t) :: there
         real(dp) :: q_mid(4)
         integer :: b
 
-        do b = 1, size(carrier)
-            if (carrier(b)%carries == carries_held) then
-                carrier(b)%v = mean_velocity(solid%bodies(b)%motion, solid%time, dt)
-            else if (carrier(b)%carries == carries_all) then
+        do b = 1, size(driven)
+            if (driven(b)%carries == carries_held) then
+                driven(b)%v = mean_velocity(solid%bodies(b)%motion, solid%time, dt)
+            else if (driven(b)%carries == carries_all) then
                 associate (body => solid%bodies(b))
                     there = body%rigid
                     if (body%motion%n > 0) then
-                        carrier(b)%v = mean_velocity(body%motion, solid%time, dt)
+                        driven(b)%v = mean_velocity(body%motion, solid%time, dt)
                     else
-                        call push_body(push(:, b), dt, there, carrier(b)%v)
+                        call push_body(push(:, b), dt, there, driven(b)%v)
                     end if
-                    call turn(there, dt, carrier(b)%spin, q_mid)
+                    call turn(there, dt, driven(b)%spin, q_mid)
                 end associate
             end if
         end do
-    end subroutine foresee_carriers
+    end subroutine foresee_driven_bodies
 
     !> Velocity and angular momentum of a free rigid body in the middle of the step.
     !>
@@ -136,4 +136,4 @@ contains
         torque = b%load(4:6) + light*(push(push_torque + 1:push_torque + 3) - b%load(4:6))
         gain = dt/2*matmul(rest, torque + b%torque)
     end function twist
-end module brz_carrier_motion
+end module brz_driven_body_motion

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Sums over the particles of a body that carries them in the gas. A rigid body turns about the
 !> middle of its cells, and its walls push at the middles of theirs.
-module brz_carrier_items
-    use brz_carrier_rules, only: add_force, add_yield, carrier_t, is_carried
+module brz_driven_body_items
+    use brz_driven_body_rules, only: add_force, add_yield, driven_body_t, is_carried
     use brz_cell_place, only: cell_middle
     use brz_column_items, only: depth_weight, force_from
     use brz_coupling_box, only: box_t, is_own
@@ -37,16 +37,16 @@ contains
 
     !> Middle of the cell that holds a particle, from the centre of its body [m].
     !@cuf attributes(host,device) &
-    pure function arm_of(box, carrier, x) result(arm)
+    pure function arm_of(box, driven, x) result(arm)
         type(box_t), intent(in) :: box
-        type(carrier_t), intent(in) :: carrier
+        type(driven_body_t), intent(in) :: driven
         real(dp), intent(in) :: x(3)
         real(dp) :: arm(3)
         integer :: d
 
         arm = cell_middle(x, box%lo, box%dx)
         do d = 1, 3
-            arm(d) = arm(d) - carrier%centre(d)
+            arm(d) = arm(d) - driven%centre(d)
         end do
     end function arm_of
 
@@ -54,12 +54,12 @@ contains
     !> that yields. Particles in the cells of other processes are theirs to count.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_push(p, first, box, carrier, wide, cell, home, above, gas, rows, surface, &
+    pure subroutine sum_push(p, first, box, driven, wide, cell, home, above, gas, rows, surface, &
                              weight, force, impedance, x, mass, push)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         type(box_t), intent(in) :: box
-        type(carrier_t), intent(in) :: carrier
+        type(driven_body_t), intent(in) :: driven
         integer, intent(in) :: wide !! rows of x
         integer(int32), intent(in) :: cell(*), home(*)
         integer, intent(in) :: above(6, *)
@@ -68,7 +68,7 @@ contains
         real(rk), intent(in) :: weight(*), force(*), impedance(*)
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: mass(*)
-        real(dp), intent(inout) :: push(18) !@exact n_push of brz_carrier_rules
+        real(dp), intent(inout) :: push(18) !@exact n_push of brz_driven_body_rules
         real(dp) :: arm(3)
         real(rk) :: now(3), yield(3), share
         integer :: d, f, i, row, side
@@ -90,7 +90,7 @@ contains
                 yield(d) = yield(d) + share*impedance(f)
             end do
         end do
-        arm = arm_of(box, carrier, x(1, i))
+        arm = arm_of(box, driven, x(1, i))
         call add_force(arm, now, push)
         call add_yield(arm, yield, push)
     end subroutine sum_push
@@ -98,12 +98,12 @@ contains
     !> Force and torque of the air on a body by the load of a particle that it carries.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_air_load(p, first, box, carrier, wide, stride_d, stride_p, fixed, x, load, &
+    pure subroutine sum_air_load(p, first, box, driven, wide, stride_d, stride_p, fixed, x, load, &
     push)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         type(box_t), intent(in) :: box
-        type(carrier_t), intent(in) :: carrier
+        type(driven_body_t), intent(in) :: driven
         integer, intent(in) :: wide !! rows of x
         integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in load
         integer(int32), intent(in) :: fixed(*)
@@ -116,14 +116,14 @@ contains
         logical :: loaded
 
         i = first - 1 + p
-        if (.not. is_carried(carrier%carries, fixed(i) == is_fixed)) return
+        if (.not. is_carried(driven%carries, fixed(i) == is_fixed)) return
         loaded = .false.
         do d = 1, 3
             force(d) = load(1 + (i - 1)*stride_p + (d - 1)*stride_d)
             loaded = loaded .or. abs(force(d)) > 0
         end do
         if (.not. loaded) return
-        arm = arm_of(box, carrier, x(1, i))
+        arm = arm_of(box, driven, x(1, i))
         call add_force(arm, force, push)
     end subroutine sum_air_load
-end module brz_carrier_items
+end module brz_driven_body_items
