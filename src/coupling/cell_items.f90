@@ -59,13 +59,13 @@ contains
     !> encloses and those that it left.
     !@item if(27*n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine compare_row(t, box, solid, mark, covered, uncovered, own, left)
+    pure subroutine compare_row(t, box, solid, mark, covered, cleared, own, left)
         integer, intent(in) :: t !! rows of cells along x
         type(box_t), intent(in) :: box
         integer(int8), intent(in) :: solid(*) !! the present walls, ghosts included
         integer(int8), intent(inout) :: mark(*)
         integer, intent(inout) :: covered !@count cells that hold solid now
-        integer, intent(inout) :: uncovered !@count cells that held solid
+        integer, intent(inout) :: cleared !@count cells that held solid
         integer, intent(inout) :: own, left !@count the same of this process
         integer(int64) :: at
         integer :: c, change, i
@@ -81,7 +81,7 @@ contains
             if (change == 0) cycle
             if (change < 0) mark(c + i) = is_left
             if (change > 0) covered = covered + 1
-            if (change < 0) uncovered = uncovered + 1
+            if (change < 0) cleared = cleared + 1
             if (.not. is_own(box, int(c + i, int32))) cycle
             if (change > 0) own = own + 1
             if (change < 0) left = left + 1

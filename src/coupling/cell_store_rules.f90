@@ -11,7 +11,7 @@ module brz_cell_store_rules
     use brz_positivity, only: is_kept, margin
     implicit none
     private
-    public :: fresh_gas, stored_ratio, stored_excess, release_deferred
+    public :: gas_of_cleared, stored_ratio, stored_excess, release_deferred
 
     real(rk), parameter :: thinnest = 1e-3_rk !! least density of a fresh cell over that around it
     real(rk), parameter :: middle = 0.5_rk !! of a cell store, in units of the gas beside it
@@ -36,7 +36,7 @@ contains
     !> its internal energy be lost in rounding beside the kinetic one. What is left over, of any
     !> sign, is returned for the cell stores nearby.
     !@cuf attributes(host,device) &
-    pure subroutine fresh_gas(floors, gamma, w, follows, u, rest)
+    pure subroutine gas_of_cleared(floors, gamma, w, follows, u, rest)
         real(rk), intent(in) :: floors(3) !! see floors_of
         real(rk), intent(in) :: gamma !! ratio of specific heats [-]
         real(rk), intent(in) :: w(6) !! surroundings: density, velocity, pressure, products' share
@@ -63,7 +63,7 @@ contains
         do i = 1, 6
             rest(i) = rest(i) - u(i)
         end do
-    end subroutine fresh_gas
+    end subroutine gas_of_cleared
 
     !> A cell store in units of the gas beside it, density or energy, whichever is farther out.
     !@cuf attributes(host,device) &

@@ -13,7 +13,7 @@ module brz_coupling_copy
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out
     use brz_device_data, only: enter_bytes, enter_data, update_device, update_host
     use brz_errors, only: error_t, failed
-    use brz_event_steps, only: put_up_walls
+    use brz_reclassification_steps, only: put_up_walls
     use brz_coupling_ghost_steps, only: renew_coupling_ghosts
     use brz_kinds, only: dp, int32, int64, rk
     use brz_load_loops, only: for_each_wall_speed

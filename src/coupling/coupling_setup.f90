@@ -16,7 +16,7 @@ module brz_coupling_setup
     use brz_coupling_windows, only: see_halo
     use brz_deferred_source_steps, only: enter_deferred_sources, size_deferred_sources
     use brz_errors, only: error_t, exit_deck, failed, raise
-    use brz_event_steps, only: put_up_walls
+    use brz_reclassification_steps, only: put_up_walls
     use brz_face_stress, only: spread_shares
     use brz_coupling_ghost_steps, only: renew_coupling_ghosts
     use brz_kinds, only: dp, int32, rk

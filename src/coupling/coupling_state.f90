@@ -29,7 +29,7 @@ module brz_coupling_state
         real(dp) :: impulse(3) = 0 !! given to the solid, reference pressure taken off [N s]
         real(dp) :: impulse_reference(3) = 0 !! what was taken off [N s]
         real(dp) :: images(3) = 0 !! momentum that images in planes of symmetry took [N s]
-        integer(int64) :: covered = 0, uncovered = 0 !! cells
+        integer(int64) :: covered = 0, cleared = 0 !! cells
         integer(int64) :: kept = 0 !! buried cell stores that found no taker (counted each step)
         real(rk) :: stored_low = 0 !! least cell store so far, in units of the gas beside it
         real(rk) :: stored_high = 0 !! largest, likewise
@@ -45,7 +45,7 @@ module brz_coupling_state
         type(box_t) :: box !! of the air
         integer :: outside = 0 !! particles outside the box
         integer(int64) :: rebuilds = -1 !! of the bodies' lists when the particles were sorted
-        integer :: n_covered = 0, n_uncovered = 0 !! cells that changed hands in this step
+        integer :: n_covered = 0, n_cleared = 0 !! cells that changed hands in this step
         real(rk) :: level = 0 !! part of a difference that neighbouring cell stores exchange
         integer :: n_deferred = 0 !! of gas cells
         integer :: bodies = 0 !! that may carry particles
@@ -72,9 +72,9 @@ module brz_coupling_state
         integer(int32), allocatable :: binned(:) !! (particles) particles, cell by cell
         integer(int32), allocatable :: above(:, :)
         !! (6, n_cells) face that begins the column of a cell and is near enough to load it, or 0
-        integer(int32), allocatable :: uncovered(:) !! in this step, by number of the cell
+        integer(int32), allocatable :: cleared(:) !! in this step, by number of the cell
         integer(int32), allocatable :: listed(:) !! cells of a kind, to take another's place
-        ! donors: cells whose gas goes to cell stores nearby; the uncovered first, then the buried
+        ! donors: cells whose gas goes to cell stores nearby; the cleared first, then the buried
         integer(int32), allocatable :: donor(:) !! (n_donors) number of the cell
         integer(int32), allocatable :: donor_shell(:) !! (n_donors) shell of the receivers, or 0
         real(rk), allocatable :: donation(:, :) !! (max_var, n_donors) share of each receiver

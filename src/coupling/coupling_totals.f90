@@ -46,10 +46,10 @@ contains
         if (.not. several(ranks)) return
         call exact_sums(ranks, reshape(sums_in(diagnostics), [n_sums, 1]), sums)
         call put_sums(sums, diagnostics)
-        counts = [diagnostics%covered, diagnostics%uncovered, diagnostics%kept]
+        counts = [diagnostics%covered, diagnostics%cleared, diagnostics%kept]
         call sum_of_all(ranks, counts)
         diagnostics%covered = counts(1)
-        diagnostics%uncovered = counts(2)
+        diagnostics%cleared = counts(2)
         diagnostics%kept = counts(3)
         least = [diagnostics%stored_low, -diagnostics%stored_high]
         call least_of_all(ranks, least)

@@ -21,7 +21,7 @@ module brz_deferred_source_steps
     private
     public :: level_cell_stores, limit_cell_stores, release_deferred_sources, settle_covered, &
         enter_deferred_sources
-    public :: fill_uncovered, donate, size_deferred_sources, size_next, keep_own, stored_totals
+    public :: fill_cleared, donate, size_deferred_sources, size_next, keep_own, stored_totals
 
 contains
 
@@ -161,7 +161,7 @@ contains
     end subroutine size_next
 
     !> Give the cells that the solid left the state of the gas around; what is over they give away.
-    subroutine fill_uncovered(air, c, err)
+    subroutine fill_cleared(air, c, err)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
@@ -171,11 +171,11 @@ contains
         call at_least(c%on_gpu, c%donor, n, err)
         call at_least(c%on_gpu, c%donor_shell, n, err)
         call at_least(c%on_gpu, c%donation, max_var, n, err)
-        if (c%n_uncovered == 0) return
-        call for_each_fill_left(c%on_gpu, c%n_uncovered, c%box, air%scheme, air%rho_rest, &
-                                air%p_rest, c%shells, c%uncovered, c%mark, c%wall%solid, &
+        if (c%n_cleared == 0) return
+        call for_each_fill_left(c%on_gpu, c%n_cleared, c%box, air%scheme, air%rho_rest, &
+                                air%p_rest, c%shells, c%cleared, c%mark, c%wall%solid, &
                                 c%wall%index, c%ends, c%wall%v, air%u, c%donor, c%donation, err)
-    end subroutine fill_uncovered
+    end subroutine fill_cleared
 
     !> Hand the gas of the donors to the cell stores nearby; what finds none is deferred, or waits.
     subroutine donate(air, c, err)
@@ -185,7 +185,7 @@ contains
         integer :: buried, donors, kept, left, n, opened
 
         n = c%wall%n_cells
-        left = c%n_uncovered
+        left = c%n_cleared
         call at_least(c%on_gpu, c%start, left + n + 1, err)
         call for_each_flag_buried(c%on_gpu, n, c%box, c%cell, c%wall%face_of, air%u, c%start, err)
         call running_sum(c%on_gpu, c%start, n, err, buried)

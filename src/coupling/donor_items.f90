@@ -9,10 +9,10 @@ module brz_donor_items
     use brz_cell_shells, only: cell_at, neighbour, next_along, number_of, shells_t
     use brz_coupling_box, only: box_t, is_buried, is_gas, is_left, is_own, place_at, &
                                 place_beside
-    use brz_fresh_rules, only: add_gas, mean_gas, no_gas, surrounding_t
+    use brz_cleared_cell_rules, only: add_gas, mean_gas, no_gas, surrounding_t
     use brz_kinds, only: int32, int64, int8, rk
     use brz_cell_store_items, only: faces_at
-    use brz_cell_store_rules, only: fresh_gas
+    use brz_cell_store_rules, only: gas_of_cleared
     use brz_scheme, only: max_var, mixture_gamma, scheme_t
     implicit none
     private
@@ -59,8 +59,8 @@ contains
         do k = 1, max_var
             if (k <= box%n_var) q(k) = u(at + (k - 1)*box%grid%apart)
         end do
-        call fresh_gas(box%floors, mixture_gamma(scheme, around%w(6)), around%w, around%follows, &
-                       q, rest)
+        call gas_of_cleared(box%floors, mixture_gamma(scheme, around%w(6)), around%w, &
+                       around%follows, q, rest)
         donor(e) = cell(e)
         do k = 1, max_var
             if (k > box%n_var) cycle

@@ -8,7 +8,7 @@ module brz_exchange_steps
     use brz_coupling_steps, only: find_velocities
     use brz_coupling_windows, only: offer_window, see_halo
     use brz_errors, only: error_t
-    use brz_event_steps, only: move_on
+    use brz_reclassification_steps, only: move_on
     use brz_coupling_ghost_steps, only: renew_coupling_ghosts, send_loads_to_owners
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least, clear_list, read_first
@@ -150,6 +150,6 @@ contains
         if (.not. c%on_gpu) return
         air%device%fetched = .false.
         ! of any process: the diagnostics count cells of this one alone
-        if (c%n_covered + c%n_uncovered > 0) c%device%walls_fetched = .false.
+        if (c%n_covered + c%n_cleared > 0) c%device%walls_fetched = .false.
     end subroutine reclassify
 end module brz_exchange_steps

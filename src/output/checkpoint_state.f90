@@ -284,7 +284,7 @@ contains
         call carry(file, 'coupling/dt_before', coupling%dt_before, err)
         call carry(file, 'coupling/v_before', coupling%v_before, err)
         call carry(file, 'coupling/covered_total', coupling%diagnostics%covered, err)
-        call carry(file, 'coupling/uncovered_total', coupling%diagnostics%uncovered, err)
+        call carry(file, 'coupling/uncovered_total', coupling%diagnostics%cleared, err)
         call carry(file, 'coupling/work', coupling%diagnostics%work, err)
         call carry(file, 'coupling/work_reference', coupling%diagnostics%work_reference, err)
         call carry(file, 'coupling/impulse', coupling%diagnostics%impulse, err)

@@ -20,7 +20,7 @@ program bench_gpu_coupling
     use brz_device, only: clear_buffer, device_t
     use brz_device_data, only: update_device
     use brz_errors, only: error_t, failed
-    use brz_event_steps, only: fill_bins, look_at_particles
+    use brz_reclassification_steps, only: fill_bins, look_at_particles
     use brz_exchange_steps, only: reclassify, set_wall_velocity, spread_load
     use brz_gpu_air_state, only: open_gpu_air
     use brz_kinds, only: dp, int64, rk
@@ -153,7 +153,7 @@ contains
             call fill_bins(solid, coupling, err)
             ms(6) = ms(6) + 1e3_dp*stop_timer(err)/steps
         end do
-        changed = coupling%diagnostics%covered + coupling%diagnostics%uncovered
+        changed = coupling%diagnostics%covered + coupling%diagnostics%cleared
         write (output_unit, '(a, a, i0, a, i0, a)') what, ': ', changed, ' changes so far, ', &
             coupling%n_deferred, ' debts; ms each step'
         write (output_unit, '(6(a, f8.3))') '  wall velocity', ms(1), ', load', ms(2), &

@@ -9,7 +9,7 @@ module brz_paper_step
     use brz_coupling_paper, only: add_forces, fill_solid_cells
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: move_walls
-    use brz_event_steps, only: look_at_particles, put_up_walls
+    use brz_reclassification_steps, only: look_at_particles, put_up_walls
     use brz_exchange_steps, only: load_carriers
     use brz_errors, only: error_t
     use brz_kinds, only: dp

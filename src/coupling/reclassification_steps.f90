@@ -5,7 +5,7 @@
 !> Everything is a gather over cells in their own order, so the result depends neither on the order
 !> of the particles nor on the number of threads; only deferred sources, which are few, are recorded
 !> one by one.
-module brz_event_steps
+module brz_reclassification_steps
     use brz_air_state, only: air_t
     use brz_air_walls, only: list_cuts
     use brz_bin_loops, only: for_each_find_home, for_each_sort_bin
@@ -16,7 +16,7 @@ module brz_event_steps
     use brz_coupling_box, only: is_left, is_solid
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: settle_cell_stores
-    use brz_deferred_source_steps, only: donate, fill_uncovered, settle_covered
+    use brz_deferred_source_steps, only: donate, fill_cleared, settle_covered
     use brz_errors, only: error_t
     use brz_lists, only: at_least, clear_list, clear_map, count_in_bins, put_in_bins, &
         running_sum, swap
@@ -46,7 +46,7 @@ contains
         call find_changes(p, c, own, err)
         call build_walls(air, c, err)
         c%n_covered = 0
-        c%n_uncovered = 0
+        c%n_cleared = 0
         call fill_bins(p, c, err)
     end subroutine put_up_walls
 
@@ -66,8 +66,8 @@ contains
         if (moved > 0 .or. solid%rebuilds /= c%rebuilds) then
             call find_changes(p, c, own, err)
             c%diagnostics%covered = c%diagnostics%covered + own(1)
-            c%diagnostics%uncovered = c%diagnostics%uncovered + own(2)
-            if (c%n_covered + c%n_uncovered > 0) call change_hands(air, c, err)
+            c%diagnostics%cleared = c%diagnostics%cleared + own(2)
+            if (c%n_covered + c%n_cleared > 0) call change_hands(air, c, err)
             call fill_bins(p, c, err)
         end if
         c%rebuilds = solid%rebuilds
@@ -91,16 +91,16 @@ contains
     subroutine find_changes(p, c, own, err)
         type(solid_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
-        integer, intent(out) :: own(2) !! cells of this process newly covered, uncovered
+        integer, intent(out) :: own(2) !! cells of this process newly covered, cleared
         type(error_t), intent(inout) :: err
 
         call clear_map(c%on_gpu, c%box%cells, c%mark, err)
         call for_each_mark_cell(c%on_gpu, p%n, c%cell_of, c%mark, err)
         c%n_covered = 0
-        c%n_uncovered = 0
+        c%n_cleared = 0
         own = 0
         call for_each_compare_row(c%on_gpu, c%box%n(2)*c%box%n(3), c%box, c%wall%solid, c%mark, &
-                                  c%n_covered, c%n_uncovered, own(1), own(2), err)
+                                  c%n_covered, c%n_cleared, own(1), own(2), err)
     end subroutine find_changes
 
     !> The map has changed: fill what the solid left, put the new walls up, pass the rest on.
@@ -109,9 +109,9 @@ contains
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
-        call list_kind_of(c, int(is_left), c%n_uncovered, err)
-        call swap(c%uncovered, c%listed)
-        call fill_uncovered(air, c, err)
+        call list_kind_of(c, int(is_left), c%n_cleared, err)
+        call swap(c%cleared, c%listed)
+        call fill_cleared(air, c, err)
         call build_walls(air, c, err)
         call settle_covered(air, c, err)
         call donate(air, c, err)
@@ -144,7 +144,7 @@ contains
         call at_least(c%on_gpu, c%cell, 0, err)
         call for_each_set_wall(c%on_gpu, c%wall%n_cells, c%box%grid, 0, c%cell, c%wall%solid, &
                                c%wall%index, err)
-        n = c%wall%n_cells + c%n_covered - c%n_uncovered
+        n = c%wall%n_cells + c%n_covered - c%n_cleared
         call list_kind_of(c, int(is_solid), n, err)
         call swap(c%cell, c%listed)
         c%wall%n_cells = n
@@ -210,4 +210,4 @@ contains
         call put_in_bins(c%on_gpu, p%n, c%place_of, c%ends, c%binned, err)
         call for_each_sort_bin(c%on_gpu, n, p%id, c%ends, c%binned, err)
     end subroutine fill_bins
-end module brz_event_steps
+end module brz_reclassification_steps

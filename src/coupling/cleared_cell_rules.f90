@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The surroundings of a freshly cleared cell, one that the solid has left. Point physics: compiled
 !> for the CPU and for the GPU.
-module brz_fresh_rules
+module brz_cleared_cell_rules
     use brz_cell_shells, only: touching
     use brz_gas, only: to_primitive
     use brz_kinds, only: rk
@@ -86,4 +86,4 @@ contains
             if (s%normal(c)) s%w(1 + c) = v(c)
         end do
     end subroutine mean_gas
-end module brz_fresh_rules
+end module brz_cleared_cell_rules
