@@ -15,11 +15,12 @@ module brz_column_items
     use brz_face_layers, only: layers_t
     use brz_face_stress, only: load_below
     use brz_kinds, only: dp, int32, int64, int8, rk
-    use brz_load_rules, only: gas_push, gauge_force, load_weight
+    use brz_load_rules, only: wall_traction, gauge_force, load_weight
     use brz_scheme, only: mixture_gamma, scheme_t
     implicit none
     private
-    public :: find_above, weigh_column, feel_gas, press_face, record_face, load_particle
+    public :: find_above, weigh_column, find_wall_pressure, add_wall_impulse, record_face, &
+        load_particle
     public :: bear_load, depth_weight, force_from, look_ahead
 
     integer, parameter :: at_once = 8 !! particles of a bin
@@ -194,7 +195,7 @@ contains
     !> Force of the gas on each face if the wall keeps its velocity, and its fall if it yields.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine feel_gas(f, box, scheme, gas, rows, owner, u, v, force, impedance)
+    pure subroutine find_wall_pressure(f, box, scheme, gas, rows, owner, u, v, force, impedance)
         integer, intent(in) :: f !! wall faces
         type(box_t), intent(in) :: box
         type(scheme_t), intent(in) :: scheme
@@ -212,15 +213,15 @@ contains
         gamma = scheme%gamma
         if (scheme%mixture) gamma = mixture_gamma(scheme, u(at + 5*box%grid%apart)/q(1))
         d = direction_of(rows(f))
-        call gas_push(rows(f), gamma, q, v(d, owner(f)), box%area(d), box%reference, f_now, z)
+        call wall_traction(rows(f), gamma, q, v(d, owner(f)), box%area(d), box%reference, f_now, z)
         force(f) = f_now
         impedance(f) = z
-    end subroutine feel_gas
+    end subroutine find_wall_pressure
 
     !> Force of each face over the step, the reference pressure taken off.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine press_face(f, box, dt, rows, impulse, force)
+    pure subroutine add_wall_impulse(f, box, dt, rows, impulse, force)
         integer, intent(in) :: f !! wall faces
         type(box_t), intent(in) :: box
         real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
@@ -230,7 +231,7 @@ contains
 
         force(f) = gauge_force(sign_of(rows(f)), impulse(f), box%reference, &
                                box%area(direction_of(rows(f))), dt)
-    end subroutine press_face
+    end subroutine add_wall_impulse
 
     !> The diagnostics of work and impulse, as the air sees them.
     !@item

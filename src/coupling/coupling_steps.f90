@@ -10,7 +10,8 @@ module brz_coupling_steps
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int32, rk
     use brz_solid_state, only: solid_t
-    use brz_wall_steps, only: feel_gas, find_mean_velocity, push_walls, weigh_columns
+    use brz_wall_steps, only: find_wall_pressure, find_mean_velocity, find_wall_velocities, &
+        weigh_columns
     implicit none
     private
     public :: move_walls, find_velocities, settle_cell_stores
@@ -42,9 +43,9 @@ contains
         type(error_t), intent(inout) :: err
 
         call weigh_columns(p, c, err)
-        call feel_gas(air, c, err)
+        call find_wall_pressure(air, c, err)
         call move_driven_bodies(solid, p, c, dt, err)
-        call push_walls(p, c, dt, v_before, column, err)
+        call find_wall_velocities(p, c, dt, v_before, column, err)
     end subroutine find_velocities
 
     !> Cell stores and deferred sources after a step. The walls move on, too: the next step, and how

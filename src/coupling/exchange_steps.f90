@@ -96,9 +96,9 @@ contains
         integer(int64) :: all_felt(size(solid%bodies))
 
         if (several(solid%ranks)) then
-            call feel_loads(solid, c%ghosts, c, dt, felt, err)
+            call take_wall_tractions(solid, c%ghosts, c, dt, felt, err)
         else
-            call feel_loads(solid, solid, c, dt, felt, err)
+            call take_wall_tractions(solid, solid, c, dt, felt, err)
         end if
         all_felt = felt
         call sum_of_all(solid%ranks, all_felt)
@@ -107,7 +107,7 @@ contains
     end subroutine wake_loaded
 
     !> Which bodies that sleep have a load on one of the particles in cells of this process.
-    subroutine feel_loads(solid, p, c, dt, felt, err)
+    subroutine take_wall_tractions(solid, p, c, dt, felt, err)
         type(solid_t), intent(in) :: solid !! its bodies
         type(solid_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
@@ -126,7 +126,7 @@ contains
             end associate
         end do
         call read_first(c%on_gpu, size(felt), c%felt, felt, err)
-    end subroutine feel_loads
+    end subroutine take_wall_tractions
 
     !> Bring walls, cell stores and gas up to date with the particles. Once per step of the air.
     !>

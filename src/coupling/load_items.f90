@@ -8,7 +8,7 @@ module brz_load_items
     use brz_load_rules, only: is_felt
     implicit none
     private
-    public :: feel_load, wall_speed
+    public :: take_wall_traction, wall_speed
 
 contains
 
@@ -16,7 +16,7 @@ contains
     !> rounding above or below the reference pressure. Others look at those in cells of theirs.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine feel_load(t, first, box, dt, cell, home, above, impulse, felt)
+    pure subroutine take_wall_traction(t, first, box, dt, cell, home, above, impulse, felt)
         integer, intent(in) :: t !! particles of the body
         integer, intent(in) :: first !! the first of them
         type(box_t), intent(in) :: box
@@ -38,7 +38,7 @@ contains
             felt(1) = 1
             return
         end do
-    end subroutine feel_load
+    end subroutine take_wall_traction
 
     !> Largest sum_d |v_d|/dx_d of the solid cells.
     !@item

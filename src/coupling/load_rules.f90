@@ -8,7 +8,7 @@ module brz_load_rules
     use brz_wall_riemann, only: wall_star
     implicit none
     private
-    public :: load_weight, gauge_force, is_felt, gas_push, pushed_velocity, lightness
+    public :: load_weight, gauge_force, is_felt, wall_traction, pushed_velocity, lightness
 
     real(rk), parameter :: middling = 0.3_rk !! yield of a wall that is neither light nor heavy
 
@@ -60,7 +60,7 @@ contains
 
     !> Force of the gas on a face if the wall keeps its velocity, and its fall if the wall yields.
     !@cuf attributes(host,device) &
-    pure subroutine gas_push(row, gamma, u, v, area, reference, force, impedance)
+    pure subroutine wall_traction(row, gamma, u, v, area, reference, force, impedance)
         integer, intent(in) :: row !! side of the face, see side_of
         real(rk), intent(in) :: gamma !! ratio of specific heats [-]
         real(rk), intent(in) :: u(5) !! the gas, conserved variables
@@ -81,7 +81,7 @@ contains
         call wall_star(gamma, w(1), w(5), s*(speed - v), p, rho)
         force = real(s*(p - reference)*area, rk)
         impedance = real(sqrt(gamma*p*rho)*area, rk)
-    end subroutine gas_push
+    end subroutine wall_traction
 
     !> Velocity of a wall in the middle of a step, from that at its start.
     !>

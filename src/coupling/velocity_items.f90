@@ -12,7 +12,7 @@ module brz_velocity_items
     use brz_particle_marks, only: is_fixed
     implicit none
     private
-    public :: mean_velocity_of, push_wall, keep_velocity
+    public :: mean_velocity_of, find_wall_velocity, keep_velocity
     public :: driven_body_of
 
     integer, parameter :: at_once = 4 !! particles of a bin
@@ -118,9 +118,9 @@ contains
     !> item of its own: three threads of a GPU side by side read the same rows.
     !@item if(9*n >= worth_threads) schedule(dynamic, 192)
     !@cuf attributes(host,device) &
-    pure subroutine push_wall(t, box, wide, stride_d, stride_p, bodies, dt, dt_before, driven, &
-                              gas, rows, owner, face_of, above, ends, binned, x, v, mass, load, &
-                              v_before, id, fixed, surface, weight, force, impedance, v_wall)
+    pure subroutine find_wall_velocity(t, box, wide, stride_d, stride_p, bodies, dt, dt_before, &
+                              driven, gas, rows, owner, face_of, above, ends, binned, x, v, mass, &
+                              load, v_before, id, fixed, surface, weight, force, impedance, v_wall)
         integer, intent(in) :: t !! directions of solid cells
         type(box_t), intent(in) :: box
         integer, intent(in) :: wide, bodies !! rows of x and v, bodies
@@ -197,7 +197,7 @@ contains
             speed = pushed_velocity(speed, all_force, change, z, total, dt)
         end if
         v_wall(d, c) = (total*speed + momentum)/(total + carried)
-    end subroutine push_wall
+    end subroutine find_wall_velocity
 
     !> A number of three. Spelled out: a kernel keeps what it indexes at run time in local memory.
     !@cuf attributes(host,device) &

@@ -14,7 +14,8 @@ module brz_wall_steps
         for_each_push_wall
     implicit none
     private
-    public :: find_mean_velocity, weigh_columns, feel_gas, push_walls, keep_velocities, press_bodies
+    public :: find_mean_velocity, weigh_columns, find_wall_pressure, find_wall_velocities, &
+        keep_velocities, press_bodies
     public :: stress_faces
 
 contains
@@ -43,18 +44,18 @@ contains
     end subroutine weigh_columns
 
     !> What the gas would do to the walls.
-    subroutine feel_gas(air, c, err)
+    subroutine find_wall_pressure(air, c, err)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
         call for_each_feel_gas(c%on_gpu, c%wall%n_faces, c%box, air%scheme, c%gas, c%rows, &
                                c%wall%face_cell, air%u, c%wall%v, c%force, c%impedance, err)
-    end subroutine feel_gas
+    end subroutine find_wall_pressure
 
     !> Velocities of the walls in the middle of the coming step, where that of a particle a step
     !> ago is a column of v_before.
-    subroutine push_walls(p, c, dt, v_before, column, err)
+    subroutine find_wall_velocities(p, c, dt, v_before, column, err)
         type(solid_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
@@ -67,7 +68,7 @@ contains
                                 c%rows, c%wall%face_cell, c%wall%face_of, c%above, c%ends, &
                                 c%binned, p%x, p%v, p%mass, p%load, v_before, column, p%fixed, &
                                 c%surface, c%weight, c%force, c%impedance, c%wall%v, err)
-    end subroutine push_walls
+    end subroutine find_wall_velocities
 
     !> Keep the velocities for the coming step.
     subroutine keep_velocities(p, c, err)

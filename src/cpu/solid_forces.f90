@@ -296,7 +296,8 @@ contains
             sums(1) = sums(1) + dt*heat
             sums(7) = sums(7) + friction
             sums(3:5) = sums(3:5) + dt*fixed_part*(force + load)
-            if (allocated(solid%grip)) solid%grip(:, i) = fixed_part*(force + load)
+            if (allocated(solid%reaction_force)) solid%reaction_force(:, i) = &
+                fixed_part*(force + load)
         end associate
         solid%energy(i) = solid%energy(i) + (dt*heat + friction)/solid%mass(i)
         if (.not. (dot_product(f, f) <= huge(dt)) .or. solid%mu(i) <= -1) then

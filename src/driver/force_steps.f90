@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Forces on a whole body, for gauges, and the impulse of its load.
 module brz_force_steps
-    use brz_air_force, only: grip_of, load_of
+    use brz_air_force, only: reaction_force_of, load_of
     use brz_force_loops, only: for_each_sum_forces
     use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
@@ -30,8 +30,9 @@ contains
             if (body%formulation == form_rigid) return
             call for_each_sum_forces(solid%on_gpu, there%last - there%first + 1, solid%ranks, there%first, &
                 solid%wide, solid%stride_d, solid%stride_p, merge(1, 0, allocated(solid%load)), &
-                merge(1, 0, allocated(solid%grip)), at(1), at(2), at(3), solid%x, solid%mass, &
-                solid%fixed, solid%a, load_of(solid), grip_of(solid), sums, err)
+                merge(1, 0, allocated(solid%reaction_force)), at(1), at(2), at(3), solid%x, &
+                solid%mass, solid%fixed, solid%a, load_of(solid), reaction_force_of(solid), sums, &
+                err)
         end associate
     end subroutine forces_on_body
 

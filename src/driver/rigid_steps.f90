@@ -5,7 +5,7 @@
 !> at half steps like that of all others, and `a` is what brings it to the step. All processes move
 !> a rigid body, the first records its work.
 module brz_rigid_steps
-    use brz_air_force, only: grip_of, load_of
+    use brz_air_force, only: reaction_force_of, load_of
     use brz_drive, only: begin_motion, record_drive, end_motion
     use brz_energy_account, only: energy_account_t
     use brz_force_loops, only: for_each_sum_region
@@ -224,7 +224,7 @@ contains
             do m = 1, size(body%regions)
                 call for_each_sum_region(solid%on_gpu, there%last - there%first + 1, solid%ranks, there%first, m, &
                     solid%stride_d, solid%stride_p, merge(1, 0, allocated(solid%load)), &
-                    solid%fixed, load_of(solid), grip_of(solid), sums, err)
+                    solid%fixed, load_of(solid), reaction_force_of(solid), sums, err)
                 was = body%account
                 call end_motion(body%regions(m), solid%time, dt, sums, was, work)
                 if (solid%ranks%rank == 0) body%account = was

@@ -102,7 +102,7 @@ contains
         params%fails = material%fails
         params%springs = merge(1, 0, material%class == class_elastic)
         params%control_due = column%control_due
-        params%grip = column%grip
+        params%reaction_force = column%reaction_force
         params%in_air = merge(0, 1, allocated(solid%loads%of))
         params%face_stress = merge(column%face_stress, 0, solid%bodies(b)%face_share > 0)
         gpu%first = params%first

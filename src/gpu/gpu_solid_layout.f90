@@ -79,7 +79,8 @@ module brz_gpu_solid_layout
                                !! brz_solid_state
         integer :: in_air !! 1: the air loads the bodies
         integer :: face_stress !! column of `state` before that of the load on its faces, 0: none
-        integer :: grip !! column of `state` before the force on what holds a particle, 0: none
+        integer :: reaction_force !! column of `state` before the force on what holds a particle, 0:
+                                  !! none
         integer :: keep_force !! 1: impulses on fixed particles add up; 0: those of one step
         real(rk) :: scale, half_over_h !! of the kernel
         real(rk) :: depth !! of directions that are not modelled [m or m2]

@@ -200,7 +200,8 @@ contains
             gpu%face_stress = column_of(gpu, gpu%column%face_stress + 1)
         if (gpu%column%before > 0) gpu%v_before = column_of(gpu, gpu%column%before + 1)
         if (gpu%column%control_due > 0) gpu%control_due = column_of(gpu, gpu%column%control_due)
-        if (gpu%column%grip > 0) gpu%grip = column_of(gpu, gpu%column%grip + 1)
+        if (gpu%column%reaction_force > 0) gpu%reaction_force = &
+            column_of(gpu, gpu%column%reaction_force + 1)
         gpu%pair = gpu%row
         gpu%work = diag_of(gpu, diag_load)
         gpu%contact_heat = diag_of(gpu, diag_contact_heat)
@@ -252,7 +253,7 @@ contains
         if (allocated(solid%load)) call attach(solid%load, gpu%load)
         if (allocated(solid%face_stress)) call attach(solid%face_stress, gpu%face_stress)
         if (allocated(solid%v_before)) call attach(solid%v_before, gpu%v_before)
-        if (allocated(solid%grip)) call attach(solid%grip, gpu%grip)
+        if (allocated(solid%reaction_force)) call attach(solid%reaction_force, gpu%reaction_force)
         if (allocated(solid%control_due)) call attach(solid%control_due, gpu%control_due)
         call attach(solid%device%heat, gpu%contact_heat)
         if (gpu%linked) call attach_links(gpu, solid%links)
@@ -314,7 +315,8 @@ contains
         if (allocated(solid%face_stress)) &
             gpu%column%face_stress = column_of_field(fields, 'face_stress') - 1
         if (allocated(solid%v_before)) gpu%column%before = column_of_field(fields, 'v_before') - 1
-        if (allocated(solid%grip)) gpu%column%grip = column_of_field(fields, 'grip') - 1
+        if (allocated(solid%reaction_force)) gpu%column%reaction_force = &
+            column_of_field(fields, 'grip') - 1
     end subroutine number_columns
 
     !> Refuse a scene that does not fit, before anything is reserved.

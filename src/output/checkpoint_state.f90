@@ -262,12 +262,12 @@ contains
         integer :: m
 
         do m = 1, size(regions)
-            state(:, m) = [regions(m)%force, regions(m)%grip]
+            state(:, m) = [regions(m)%force, regions(m)%reaction_force]
         end do
         call carry(file, 'solid/regions_'//to_text(b), state, err)
         do m = 1, size(regions)
             regions(m)%force = state(1:3, m)
-            regions(m)%grip = state(4:6, m)
+            regions(m)%reaction_force = state(4:6, m)
         end do
     end subroutine carry_regions
 

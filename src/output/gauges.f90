@@ -331,7 +331,7 @@ contains
                     value = merge(between%impulse(axis), between%force(axis), whole >= from_impulse)
                 end associate
             else if (gauge%region > 0) then
-                value = solid%bodies(gauge%body)%regions(gauge%region)%grip(whole)
+                value = solid%bodies(gauge%body)%regions(gauge%region)%reaction_force(whole)
             else if (whole >= from_impulse) then
                 value = solid%bodies(gauge%body)%impulse(whole - from_impulse + 1)
             else if (whole > 0) then

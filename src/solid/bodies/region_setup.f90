@@ -27,7 +27,8 @@ contains
 
         if (.not. allocated(input%regions)) return
         allocate (body%regions(size(input%regions)))
-        if (.not. allocated(solid%grip)) allocate (solid%grip(3, solid%n), source=0.0_rk)
+        if (.not. allocated(solid%reaction_force)) allocate (solid%reaction_force(3, solid%n), &
+            source=0.0_rk)
         do m = 1, size(input%regions)
             call set_up_region(input%regions, m, solid, body, err)
         end do

@@ -56,7 +56,7 @@ contains
 
         v = mean_velocity(motion, time - dt, dt)
         motion%force = sums(1:3) - sums(4:6)
-        motion%grip = sums(1:3)
+        motion%reaction_force = sums(1:3)
         work = dt*dot_product(sums(4:6), v)
         account%load = account%load + work
         account%drive = account%drive - dt/2*dot_product(motion%force, v) - work

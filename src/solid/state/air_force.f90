@@ -5,7 +5,7 @@ module brz_air_force
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: air_force, load_of, grip_of
+    public :: air_force, load_of, reaction_force_of
 
 contains
 
@@ -29,11 +29,11 @@ contains
     end function load_of
 
     !> The same of the forces on what holds particles.
-    function grip_of(solid) result(grip)
+    function reaction_force_of(solid) result(reaction_force)
         type(solid_t), intent(in), target :: solid
-        real(rk), pointer, contiguous :: grip(:, :) !! [N]
+        real(rk), pointer, contiguous :: reaction_force(:, :) !! [N]
 
-        grip => solid%a
-        if (allocated(solid%grip)) grip => solid%grip
-    end function grip_of
+        reaction_force => solid%a
+        if (allocated(solid%reaction_force)) reaction_force => solid%reaction_force
+    end function reaction_force_of
 end module brz_air_force

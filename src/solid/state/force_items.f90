@@ -18,17 +18,17 @@ contains
     !@item
     !@cuf attributes(host,device) &
     pure subroutine sum_forces(p, first, wide, stride_d, stride_p, loaded, gripped, cx, cy, cz, x, &
-                               mass, fixed, accel, load, grip, total)
+                               mass, fixed, accel, load, reaction_force, total)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of x
         integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in forces
-        integer, intent(in) :: loaded, gripped !! 1: `load`, `grip` are there
+        integer, intent(in) :: loaded, gripped !! 1: `load`, `reaction_force` are there
         real(dp), intent(in) :: cx, cy, cz !! point of the moment [m]
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: mass(*)
         integer(int32), intent(in) :: fixed(*)
-        real(rk), intent(in) :: accel(*), load(*), grip(*) !! [m/s2], [N], [N]
+        real(rk), intent(in) :: accel(*), load(*), reaction_force(*) !! [m/s2], [N], [N]
         real(dp), intent(inout) :: total(12) !@exact [N], [N m], [N], [N]
         real(dp) :: arm(3), f, g(3), push
         integer :: at, d, i
@@ -43,7 +43,7 @@ contains
             push = 0
             if (loaded == 1) push = load(at)
             g(d) = 0
-            if (gripped == 1) g(d) = grip(at)
+            if (gripped == 1) g(d) = reaction_force(at)
             f = g(d)
             if (is_kept(fixed(i), d)) f = f - push
             if (fixed(i) /= is_fixed) f = f + mass(i)*real(accel(at), dp)
@@ -133,15 +133,15 @@ contains
     !> load.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_region(p, first, region, stride_d, stride_p, loaded, fixed, load, grip, &
-    total)
+    pure subroutine sum_region(p, first, region, stride_d, stride_p, loaded, fixed, load, &
+    reaction_force, total)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: region !! the motion
         integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in forces
         integer, intent(in) :: loaded !! 1: `load` is there
         integer(int32), intent(in) :: fixed(*)
-        real(rk), intent(in) :: load(*), grip(*) !! [N]
+        real(rk), intent(in) :: load(*), reaction_force(*) !! [N]
         real(dp), intent(inout) :: total(6) !@exact [N]
         integer :: at, d, i
 
@@ -150,7 +150,7 @@ contains
         do d = 1, 3
             if (.not. is_kept(fixed(i), d)) cycle
             at = 1 + (i - 1)*stride_p + (d - 1)*stride_d
-            total(d) = total(d) + grip(at)
+            total(d) = total(d) + reaction_force(at)
             if (loaded == 1) total(3 + d) = total(3 + d) + load(at)
         end do
     end subroutine sum_region

@@ -14,7 +14,7 @@ module brz_motion
         logical :: along(3) = .true. !! axes along which it is prescribed
         real(dp) :: mass = 0 !! of the particles that are driven [kg]
         real(dp) :: force(3) = 0 !! of the body on them at the step [N]
-        real(dp) :: grip(3) = 0 !! of a region: the same with its load [N]
+        real(dp) :: reaction_force(3) = 0 !! of a region: the same with its load [N]
     end type motion_t
 
 contains

@@ -74,7 +74,7 @@ module brz_solid_device
 
     !> Columns of `state` that not every scene has, 0: none.
     type :: columns_t
-        integer :: grip = 0 !! + 1..3: force on what holds a particle [N]
+        integer :: reaction_force = 0 !! + 1..3: force on what holds a particle [N]
         integer :: owed = 0 !! energy that the tensile control owes [J]
         integer :: load = 0 !! + 1..3: force of the air, or of the loads [N]
         integer :: face_stress = 0 !! + 1..6: stress of the load on its faces [Pa]
@@ -110,7 +110,7 @@ module brz_solid_device
         ! parts of these arrays as items have them, under the names of solid_t
         integer :: wide = 4, stride_d = 0, stride_p = 1, stride_t = 1
         type(doubles_t) :: x, x_ref, x_built, work, contact_heat
-        type(reals_t) :: v, v_before, volume, a, load, face_stress, grip, mass, mu, energy
+        type(reals_t) :: v, v_before, volume, a, load, face_stress, reaction_force, mass, mu, energy
         type(reals_t) :: damage, stress, pair, owed
         type(integers_t) :: id, fixed, moved
         real(dp) :: heat(1) = 0 !! the name of contact_heat on the host

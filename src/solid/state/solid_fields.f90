@@ -145,7 +145,7 @@ contains
             call see(t, 'face_stress', s%face_stress, 6, .false., in_state, next)
         end if
         call see(t, 'v_before', s%v_before, 3, .false., in_state, next, derived=.true.)
-        call see(t, 'grip', s%grip, 3, .false., in_state, next, derived=.true.)
+        call see(t, 'grip', s%reaction_force, 3, .false., in_state, next, derived=.true.)
         call see(t, 'pair', s%pair, n_pair, .true., nowhere, 0, derived=.true.)
         call see(t, 'k_axes', s%k_axes, 6, any(s%bodies%directional), nowhere, 0, derived=.true.)
         call see(t, 'held', s%control, n_control, control, nowhere, 0, derived=.true.)

@@ -56,7 +56,8 @@ module brz_solid_state
                                                    !! brz_face_stress; only with loads [Pa]
         real(rk), allocatable :: v_before(:, :) !! (3, n) velocity at the last step of the air; only
                                                 !! where there is air, on several processes [m/s]
-        real(rk), allocatable :: grip(:, :) !! (3, n) force on what holds a particle at the step;
+        real(rk), allocatable :: reaction_force(:, :) !! (3, n) force on what holds a particle at
+                                                      !! the step;
                                             !! only where a gauge asks for it [N]
         real(dp), allocatable :: work(:) !! (n) of the loads in a kick; heat of drag; else 0 [J]
         integer, allocatable :: moved(:, :) !! (lost_level, bodies) 1: some particle has moved so

@@ -127,8 +127,9 @@ contains
             end if
             associate (whole => quantities(find_quantity(trim(case%gauges(g)%quantity)))%whole)
                 if (whole >= from_impulse) solid%impulses = .true.
-                if (whole > 0 .and. whole < from_impulse .and. .not. allocated(solid%grip)) &
-                    allocate (solid%grip(3, solid%n), source=0.0_rk)
+                if (whole > 0 .and. whole < from_impulse .and. &
+                    .not. allocated(solid%reaction_force)) &
+                    allocate (solid%reaction_force(3, solid%n), source=0.0_rk)
             end associate
         end do
     end subroutine set_up_watch
