@@ -62,7 +62,7 @@ contains
         call visit_bodies(solid, solid%links%box, .false.)
         call number_rows(solid%links, sum(solid%bodies%rim - solid%bodies%last))
         call visit_bodies(solid, solid%links%box, .true.)
-        if (several(solid%ranks)) call join_meetings(solid)
+        if (several(solid%ranks)) call join_interactions(solid)
         do b = 1, size(solid%bodies) ! ghosts have rows, without links of their own
             do i = solid%bodies(b)%last + 1, solid%bodies(b)%rim
                 solid%links%rows = solid%links%rows + 1
@@ -72,14 +72,14 @@ contains
     end subroutine build_links
 
     !> Bodies have met where they have in any process.
-    subroutine join_meetings(solid)
+    subroutine join_interactions(solid)
         type(solid_t), intent(inout) :: solid
         integer(int64) :: met(size(solid%links%met))
 
         met = reshape(merge(1_int64, 0_int64, solid%links%met), shape(met))
         call most_of_all(solid%ranks, met)
         solid%links%met = reshape(met == 1, shape(solid%links%met))
-    end subroutine join_meetings
+    end subroutine join_interactions
 
     !> Count in `row`, or store, the links of every particle with one body after the other; note
     !> which bodies have some.

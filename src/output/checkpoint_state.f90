@@ -68,7 +68,7 @@ contains
         call carry(file, 'solid/rebuilds', solid%rebuilds, err)
         call carry_fields(file, solid, err)
         call carry_bodies(file, solid, err)
-        call carry_between(file, solid, err)
+        call carry_body_pair_force(file, solid, err)
         if (.not. solid%cohesive%present) return
         call carry(file, 'solid/interface_damage', solid%cohesive%damage, err)
         call carry(file, 'solid/interface_spent', solid%cohesive%spent, err)
@@ -76,7 +76,7 @@ contains
     end subroutine carry_solid
 
     !> Forces and impulses between two bodies; from zero where the deck asks for them only now.
-    subroutine carry_between(file, solid, err)
+    subroutine carry_body_pair_force(file, solid, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
@@ -97,7 +97,7 @@ contains
                 between%impulse = state(4:6)
             end associate
         end do
-    end subroutine carry_between
+    end subroutine carry_body_pair_force
 
     !> All fields of the particles that nothing else gives. Checkpoints up to November 2026 call one
     !> of them `cut`.

@@ -10,7 +10,7 @@ module brz_bond_items
     use brz_formulation_names, only: form_bending, form_corrected_hourglass
     use brz_gradient, only: moment_terms, outer_terms
     use brz_hold_layout, only: control_affine, control_stiffness, n_control
-    use brz_interaction, only: law_bonded, law_shared, meeting_t
+    use brz_interaction, only: law_bonded, law_shared, interaction_t
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t, links_of
@@ -35,7 +35,7 @@ contains
         type(link_layout_t), intent(in) :: lay
         real(rk), intent(in) :: tilt !! [1/m]
         integer(int32), intent(in) :: ends(*)
-        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        type(interaction_t), intent(in) :: table(lay%bodies, *)
         real(dp), intent(in) :: x(lay%wide, *), x_ref(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), volume(lay%step_v, *), mass(*)
         integer(int32), intent(in) :: bond(*), row(*), slice(*), count(*), list(*)
@@ -118,7 +118,7 @@ contains
         integer, intent(in) :: i
         type(link_layout_t), intent(in) :: lay
         integer(int32), intent(in) :: ends(*)
-        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        type(interaction_t), intent(in) :: table(lay%bodies, *)
         real(dp), intent(in) :: x(lay%wide, *), x_ref(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*), pair(n_pair, *)
         real(real32), intent(in) :: k_axes(6, *)
@@ -192,7 +192,7 @@ contains
     !> Viscosity of a bonded pair, and its heat.
     !@cuf attributes(host,device) &
     pure subroutine drag_bond(m, w, r, vr, own, other, f)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         real(rk), intent(in) :: w, r(3), vr !! vr: v_ij.x_ij [m2/s]
         real(rk), intent(in) :: own(n_pair), other(n_pair)
         real(rk), intent(inout) :: f(n_terms)
@@ -213,7 +213,7 @@ contains
     !> Force of the stress of a bonded pair.
     !@cuf attributes(host,device) &
     pure subroutine pull_bond(m, w, s, r, dx, x_i, x_j, own, other, f)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         real(rk), intent(in) :: w, s(3), r(3), dx(3), own(n_pair), other(n_pair)
         real(dp), intent(in) :: x_i(3), x_j(3) !! places in the unloaded bodies [m]
         real(rk), intent(inout) :: f(n_terms)
@@ -234,7 +234,7 @@ contains
     !> Arm of a bonded pair at the particle of one of the two bodies, or at its image.
     !@cuf attributes(host,device) &
     pure subroutine arm_of(m, side, c, x, s, dx, r, y)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         integer, intent(in) :: side !! 1: first body, 2: second
         real(rk), intent(in) :: c, s(3), dx(3), r(3) !! tilt; signs of an image; X_ij, x_ij [m]
         real(dp), intent(in) :: x(3) !! place in the unloaded body [m]
@@ -256,7 +256,7 @@ contains
     !> Stiff hourglass force of a bonded pair.
     !@cuf attributes(host,device) &
     pure subroutine bend_bond(m, share, y, s, r, dx, own, other, hold_i, hold_j, f)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         real(rk), intent(in) :: share !! of the other particle, in its row already
         real(rk), intent(in) :: y, s(3), r(3), dx(3), own(n_pair), other(n_pair)
         real(real32), intent(in) :: hold_i(6), hold_j(6)
@@ -310,7 +310,7 @@ contains
         integer, intent(in) :: particles !! all
         type(link_layout_t), intent(in) :: lay
         integer(int32), intent(in) :: ends(*)
-        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        type(interaction_t), intent(in) :: table(lay%bodies, *)
         real(dp), intent(in) :: x(lay%wide, *), x_ref(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*), pair(n_pair, *)
         real(real32), intent(in) :: k_axes(6, *)
@@ -340,7 +340,7 @@ contains
         integer, intent(in) :: first !! the first of them
         type(link_layout_t), intent(in) :: lay
         integer(int32), intent(in) :: ends(*)
-        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        type(interaction_t), intent(in) :: table(lay%bodies, *)
         real(dp), intent(in) :: x(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), pair(n_pair, *), stress(*)
         integer(int32), intent(in) :: row(*), slice(*), count(*), list(*)

@@ -9,7 +9,7 @@
 !>
 !> Source: docs/solid.md section 9
 module brz_contact
-    use brz_interaction, only: law_bonded, law_shared, meeting_t
+    use brz_interaction, only: law_bonded, law_shared, interaction_t
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, rk
     implicit none
@@ -40,7 +40,7 @@ contains
     !> their bond is whole.
     !@cuf attributes(host,device) &
     pure function joins(m, whole) result(yes)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         logical, intent(in) :: whole !! at both particles
         logical :: yes
 
@@ -52,7 +52,7 @@ contains
     !> forces of the second are those that the gradients of the first work with.
     !@cuf attributes(host,device) &
     pure function takes_part(m, mass_i, volume_i, mass_j, volume_j, vr) result(yes)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         real(rk), intent(in) :: mass_i, volume_i, mass_j, volume_j !! [kg], [m3]
         real(rk), intent(in) :: vr !! v_ij.x_ij [m2/s]
         logical :: yes
@@ -67,7 +67,7 @@ contains
     !> voids between its pieces as its volume, which is many times that of the matter that meets.
     !@cuf attributes(host,device) &
     pure function shared_volume(m, mass_i, volume_i, mass_j, volume_j) result(product)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         real(rk), intent(in) :: mass_i, volume_i, mass_j, volume_j !! [kg], [m3]
         real(rk) :: product !! [m6]
 
@@ -98,7 +98,7 @@ contains
     !> Spring force of a pair, as a factor of x_ij, and the energy of its hard core.
     !@cuf attributes(host,device) &
     pure subroutine contact_push(m, w, pressure, distance, u, energy)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         real(rk), intent(in) :: w !! V_i V_j F_ij, volumes of lattice cells
         real(rk), intent(in) :: pressure !! kappa e/touch of both [Pa]
         real(rk), intent(in) :: distance !! |x_ij| [m]
@@ -114,7 +114,7 @@ contains
     !> Add a particle of another body to the kernel sums.
     !@cuf attributes(host,device) &
     pure subroutine add_link(m, v, r, dv, grown, growth, sums)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         real(rk), intent(in) :: v !! volume of its cell over `touch` and depth
         real(rk), intent(in) :: r(3), dv(3) !! x_ij [m], v_ij [m/s]
         real(rk), intent(in) :: grown !! what the strain of both half layers adds to the sum
@@ -178,7 +178,7 @@ contains
     !> from the heat of what held it apart.
     !@cuf attributes(host,device) &
     pure function core_loss(m, fresh, dt, r, dv) result(loss)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         logical, intent(in) :: fresh !! set free in this step
         real(rk), intent(in) :: dt !! step just made [s]
         real(rk), intent(in) :: r(3), dv(3) !! x_ij [m], v_ij [m/s]
@@ -202,7 +202,7 @@ contains
     !> True for a pair that is so close that its hard core acts.
     !@cuf attributes(host,device) &
     pure function in_core(m, distance) result(inside)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         real(rk), intent(in) :: distance !! |x_ij| [m]
         logical :: inside
 
@@ -213,7 +213,7 @@ contains
     !> drag acts where the surfaces meet, and its arm is that of the surface.
     !@cuf attributes(host,device) &
     pure subroutine surface_velocity(m, r, dv, spin_i, spin_j, v)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         real(rk), intent(in) :: r(3), dv(3) !! x_ij [m], v_ij [m/s]
         real(rk), intent(in) :: spin_i(3), spin_j(3) !! of their bodies [1/s]
         real(rk), intent(out) :: v(3) !! [m/s]
@@ -228,7 +228,7 @@ contains
     !> Moment about particle i of a force that acts at the common surface.
     !@cuf attributes(host,device) &
     pure subroutine add_moment(m, r, f, moment)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         real(rk), intent(in) :: r(3), f(3) !! x_ij [m], force on i [N]
         real(rk), intent(inout) :: moment(3) !! [N m]
 
@@ -243,7 +243,7 @@ contains
     !> traction/stick.
     !@cuf attributes(host,device) &
     pure subroutine contact_drag(m, area, push, dv, n, f, heat)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         real(rk), intent(in) :: area !! of the pair [m2]
         real(rk), intent(in) :: push !! normal force of the spring [N]
         real(rk), intent(in) :: dv(3), n(3) !! v_ij, normal from j to i
@@ -277,7 +277,7 @@ contains
     !> Traction of a stress on a bond over its strength: 1 breaks it.
     !@cuf attributes(host,device) &
     pure function bond_effort(m, s, n) result(effort)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         real(rk), intent(in) :: s(6) !! stress xx, yy, zz, xy, yz, xz [Pa]
         real(rk), intent(in) :: n(3) !! unit normal of the bond
         real(rk) :: effort

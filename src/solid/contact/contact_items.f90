@@ -10,7 +10,7 @@ module brz_contact_items
     use brz_contact_release, only: is_freed, is_tied, later_touch
     use brz_face_layout, only: face_edge, face_normal, face_past, face_strain
     use brz_force_layout, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_terms
-    use brz_interaction, only: law_shared, meeting_t
+    use brz_interaction, only: law_shared, interaction_t
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t, links_of, mask_unit, n_press
@@ -103,7 +103,7 @@ contains
         type(link_layout_t), intent(in) :: lay
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         integer(int32), intent(in) :: ends(*)
-        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        type(interaction_t), intent(in) :: table(lay%bodies, *)
         real(rk), intent(in) :: cell(*)
         real(dp), intent(in) :: x(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*)
@@ -166,7 +166,7 @@ contains
         type(link_layout_t), intent(in) :: lay
         real(rk), intent(in) :: dt !! 0: none [s]
         integer(int32), intent(in) :: ends(*)
-        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        type(interaction_t), intent(in) :: table(lay%bodies, *)
         real(rk), intent(in) :: cell(*)
         real(dp), intent(in) :: x(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*)
@@ -204,7 +204,7 @@ contains
         type(link_layout_t), intent(in) :: lay
         real(rk), intent(in) :: dt !! [s]
         integer(int32), intent(in) :: ends(*)
-        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        type(interaction_t), intent(in) :: table(lay%bodies, *)
         real(rk), intent(in) :: cell(*)
         real(dp), intent(in) :: x(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*)
@@ -234,7 +234,7 @@ contains
         type(link_layout_t), intent(in) :: lay
         real(dp), intent(in) :: dt !! step just made, 0: none [s]
         integer(int32), intent(in) :: ends(*)
-        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        type(interaction_t), intent(in) :: table(lay%bodies, *)
         real(rk), intent(in) :: cell(*)
         real(dp), intent(in) :: x(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*), stress(*)
@@ -347,7 +347,7 @@ contains
                              vr, p, q, pair_i, pair_j, stress_i, stress_j, fresh, f, energy, &
                              lost, stiffness, damping)
         type(link_layout_t), intent(in) :: lay
-        type(meeting_t), intent(in) :: m, back !! law of i with j, of j with i
+        type(interaction_t), intent(in) :: m, back !! law of i with j, of j with i
         real(rk), intent(in) :: dt, own, other !! step just made [s], volumes of the cells [m3]
         real(rk), intent(in) :: mass_i, mass_j !! [kg]
         real(rk), intent(in) :: s(3), r(3), dv(3), distance, vr
@@ -419,7 +419,7 @@ contains
         type(link_layout_t), intent(in) :: lay
         real(dp), intent(in) :: dt !! [s]
         integer(int32), intent(in) :: ends(*)
-        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        type(interaction_t), intent(in) :: table(lay%bodies, *)
         real(rk), intent(in) :: cell(*)
         real(dp), intent(in) :: x(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*), stress(*)

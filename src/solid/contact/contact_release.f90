@@ -6,7 +6,7 @@
 module brz_contact_release
     use brz_bond_marks, only: bond_breaks, bond_whole, loose_by
     use brz_contact, only: joins
-    use brz_interaction, only: law_bonded, meeting_t
+    use brz_interaction, only: law_bonded, interaction_t
     use brz_kinds, only: int32, real32, rk
     implicit none
     private
@@ -17,7 +17,7 @@ contains
     !> True where a pair has no contact: its sums are joined, or a cohesive interface holds both.
     !@cuf attributes(host,device) &
     pure function is_tied(m, bond_i, bond_j, joined_i, joined_j) result(yes)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         integer(int32), intent(in) :: bond_i, bond_j, joined_i, joined_j
         logical :: yes
 
@@ -28,7 +28,7 @@ contains
     !> True where a pair had no contact until this step, and has from now on.
     !@cuf attributes(host,device) &
     pure function is_freed(m, bond_i, bond_j, joined_i, joined_j) result(yes)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         integer(int32), intent(in) :: bond_i, bond_j, joined_i, joined_j
         logical :: yes
         integer(int32) :: both

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The kernel sum over a body with a flat surface: the measure of the contact between bodies.
 module brz_flat_surface
-    use brz_interaction, only: meeting_t
+    use brz_interaction, only: interaction_t
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, rk
     implicit none
@@ -15,7 +15,7 @@ contains
     pure subroutine flat_sum(dimension, spacing, m, distance, touch, slope)
         integer, intent(in) :: dimension
         real(dp), intent(in) :: spacing !! of that lattice [m]
-        type(meeting_t), intent(in) :: m !! its kernel
+        type(interaction_t), intent(in) :: m !! its kernel
         real(dp), intent(in) :: distance !! [m]
         real(dp), intent(out) :: touch, slope
         real(dp) :: r, z, f

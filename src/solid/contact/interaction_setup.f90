@@ -8,12 +8,12 @@ module brz_interaction_setup
     use brz_formulation_names, only: form_corrected_hourglass, form_rigid, form_total
     use brz_gradient, only: limiter_slope
     use brz_interaction, only: law_bonded, law_cohesive, law_contact, law_none, law_shared, &
-        meeting_t
+        interaction_t
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: dp, real32, rk
     use brz_material, only: material_t
     use brz_materials, only: unloaded_speed
-    use brz_meeting_speed, only: closing_speed
+    use brz_approach_speed, only: closing_speed
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none
@@ -43,7 +43,7 @@ contains
                 do a = 1, n
                     call find_rule(case, a, b, rule)
                     if (a == b) rule%law = 'none'
-                    call make_meeting(solid, rule, a, b, solid%links%table(a, b))
+                    call make_interaction(solid, rule, a, b, solid%links%table(a, b))
                     sound = min(unloaded_speed(solid%materials(solid%bodies(a)%material)), &
                                 unloaded_speed(solid%materials(solid%bodies(b)%material)))
                     if (.not. may_touch(solid%links%table(a, b)) .or. closing_speed( &
@@ -77,7 +77,7 @@ contains
 
     !> True where contact may ever act.
     pure logical function may_touch(m)
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
 
         may_touch = m%law == law_contact .or. m%law == law_cohesive .or. &
                     (m%law == law_bonded .and. min(m%tensile, m%shear) < huge(m%shear))
@@ -120,11 +120,11 @@ contains
     end function fits
 
     !> The numbers of a law between bodies a (of particle i) and b.
-    subroutine make_meeting(solid, rule, a, b, m)
+    subroutine make_interaction(solid, rule, a, b, m)
         type(solid_t), intent(in) :: solid
         type(interaction_case_t), intent(in) :: rule
         integer, intent(in) :: a, b
-        type(meeting_t), intent(out) :: m
+        type(interaction_t), intent(out) :: m
         real(dp) :: bulk, density, touch, slope
 
         associate (p => solid%bodies(a), q => solid%bodies(b), &
@@ -173,7 +173,7 @@ contains
         m%shear = real(min(rule%shear_strength, real(huge(1.0_rk), dp)), rk)
         m%quadratic = rule%bond_law == 'quadratic'
         m%bit = 0
-    end subroutine make_meeting
+    end subroutine make_interaction
 
     !> Weights of a bonded pair in the gradients of both, and shares of its viscosity.
     !>
@@ -187,7 +187,7 @@ contains
     pure subroutine weigh_bond(p, q, s, t, m)
         type(body_t), intent(in) :: p, q
         type(material_t), intent(in) :: s, t !! theirs
-        type(meeting_t), intent(inout) :: m
+        type(interaction_t), intent(inout) :: m
         real(dp) :: excess
 
         m%part = 1
@@ -221,7 +221,7 @@ contains
     subroutine shorten_step(solid, a, b, m)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: a, b
-        type(meeting_t), intent(in) :: m
+        type(interaction_t), intent(in) :: m
         real(dp) :: share
 
         associate (p => solid%bodies(a), q => solid%bodies(b), &

@@ -5,7 +5,7 @@ module brz_leaving_items
     use brz_contact, only: crossing_share, in_core
     use brz_contact_items, only: look_along, owner_of
     use brz_contact_release, only: is_tied
-    use brz_interaction, only: law_shared, meeting_t
+    use brz_interaction, only: law_shared, interaction_t
     use brz_kinds, only: dp, int32, int64, rk
     use brz_link_layout, only: link_layout_t, links_of, n_press
     use brz_particle_marks, only: is_free, is_gone, is_leaving
@@ -51,7 +51,7 @@ contains
         integer, intent(in) :: glued !! 1: `joined` says what cohesive interfaces hold
         type(link_layout_t), intent(in) :: lay
         integer(int32), intent(in) :: ends(*)
-        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        type(interaction_t), intent(in) :: table(lay%bodies, *)
         real(dp), intent(in) :: x(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), press(n_press, *)
         integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)

@@ -5,7 +5,7 @@ module brz_tie_items
     use brz_contact, only: joins
     use brz_contact_items, only: owner_of
     use brz_contact_release, only: is_tied
-    use brz_interaction, only: law_shared, meeting_t
+    use brz_interaction, only: law_shared, interaction_t
     use brz_kinds, only: int32, int64
     use brz_link_layout, only: link_layout_t, links_of, mask_unit
     implicit none
@@ -33,7 +33,7 @@ contains
         integer, intent(in) :: first !! the first of them
         type(link_layout_t), intent(in) :: lay
         integer(int32), intent(in) :: ends(*)
-        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        type(interaction_t), intent(in) :: table(lay%bodies, *)
         integer(int32), intent(in) :: row(*), slice(*), count(*), list(*)
         integer(int32), intent(inout) :: mark(*) !! 1: it has
         integer :: a, i, k, n, r
@@ -59,7 +59,7 @@ contains
         integer, intent(in) :: i !! particles
         type(link_layout_t), intent(in) :: lay
         integer(int32), intent(in) :: ends(*)
-        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        type(interaction_t), intent(in) :: table(lay%bodies, *)
         integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
         integer(int32), intent(inout) :: loose(*) !! as `count`
         integer :: a, b, j, k, n, r

@@ -4,12 +4,12 @@ module brz_body_pair
     use brz_kinds, only: dp
     implicit none
     private
-    public :: between_t
+    public :: body_pair_force_t
 
     !> What a gauge asks of two bodies.
-    type :: between_t
+    type :: body_pair_force_t
         integer :: body(2) = 0
         real(dp) :: force(3) = 0 !! on the first by the second, at the step [N]
         real(dp) :: impulse(3) = 0 !! the same from the start to the step [N s]
-    end type between_t
+    end type body_pair_force_t
 end module brz_body_pair

@@ -4,13 +4,13 @@ module brz_interaction
     use brz_kinds, only: dp, rk
     implicit none
     private
-    public :: meeting_t, law_none, law_contact, law_bonded, law_shared, law_cohesive
+    public :: interaction_t, law_none, law_contact, law_bonded, law_shared, law_cohesive
 
     integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2, law_shared = 3, &
                           law_cohesive = 4
 
     !> How a particle of one body meets those of another.
-    type :: meeting_t
+    type :: interaction_t
         integer :: law !! law_none, ...
         real(rk) :: h, scale, half_over_h !! mean smoothing length, see brz_kernel
         real(rk) :: spacing !! mean distance of particles [m]
@@ -40,5 +40,5 @@ module brz_interaction
         real(rk) :: tensile, shear !! strengths of a bond [Pa]
         logical :: quadratic !! both strengths act together
         integer :: bit !! of a cohesive interface in `joined` of links_t, else 0
-    end type meeting_t
+    end type interaction_t
 end module brz_interaction

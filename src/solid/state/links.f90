@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Inter-body neighbours: pairs of particles of different bodies, and what passes between them.
 module brz_links
-    use brz_interaction, only: meeting_t
+    use brz_interaction, only: interaction_t
     use brz_kinds, only: dp, int32, real32, rk
     use brz_link_layout, only: link_layout_t
     implicit none
@@ -13,7 +13,7 @@ module brz_links
         logical :: present = .false.
         logical :: bonds = .false. !! some bodies are bonded
         logical :: faces = .false. !! those of some may be in contact, see brz_contact_face
-        type(meeting_t), allocatable :: table(:, :) !! (bodies, bodies) law of i's and j's body
+        type(interaction_t), allocatable :: table(:, :) !! (bodies, bodies) law of i's and j's body
         logical, allocatable :: met(:, :) !! (bodies, bodies) some particles of both have links
         real(dp), allocatable :: drift(:, :, :) !! (3, bodies, bodies) what the first had drifted
                                                 !! beyond the second when links were built [m]

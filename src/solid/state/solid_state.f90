@@ -5,7 +5,7 @@
 !> velocity at the step is v + dt_last/2 a. A kick is v += (dt_last + dt)/2 a + dt load/mass.
 module brz_solid_state
     use brz_body, only: body_t
-    use brz_body_pair, only: between_t
+    use brz_body_pair, only: body_pair_force_t
     use brz_cohesive_state, only: cohesive_t
     use brz_kinds, only: dp, int16, int32, int64, int8, real32, rk
     use brz_links, only: links_t
@@ -63,7 +63,7 @@ module brz_solid_state
         integer, allocatable :: moved(:, :) !! (lost_level, bodies) 1: some particle has moved so
                                             !! far since its list was built
         logical :: impulses = .false. !! a gauge asks for those of the load
-        type(between_t), allocatable :: between(:) !! pairs of bodies that gauges ask for
+        type(body_pair_force_t), allocatable :: between(:) !! pairs of bodies that gauges ask for
         real(rk), allocatable :: mass(:) !! (n) [kg]
         real(rk), allocatable :: mu(:) !! (n) compression rho/rho0 - 1 [-]
         real(rk), allocatable :: energy(:) !! (n) specific internal energy [J/kg]

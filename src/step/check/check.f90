@@ -6,10 +6,10 @@ module brz_check
     use brz_air_setup, only: time_step_ramp
     use brz_body, only: body_t
     use brz_formulation_names, only: form_bending, form_names, form_rigid, form_total
-    use brz_meeting_speed, only: meeting_speed
+    use brz_approach_speed, only: approach_speed
     use brz_case, only: body_case_t, case_t
     use brz_outlines, only: body_box
-    use brz_check_meetings, only: print_meetings
+    use brz_print_interactions, only: print_interactions
     use brz_cohesive_setup, only: interface_name, zone_over_spacing
     use brz_cohesive_state, only: cohesive_totals
     use brz_crack_band, only: crack_report
@@ -65,7 +65,7 @@ contains
         write (output_unit, '(a)') 'check of '//trim(sim%case%run%job)//': '//sim%case%run%title
         if (sim%air%present) call check_air(sim)
         if (sim%solid%present) call check_solid(sim)
-        if (sim%solid%present) call print_meetings(sim%case)
+        if (sim%solid%present) call print_interactions(sim%case)
         if (sim%solid%present) call check_materials(sim%case, sim%solid)
         exact = size_of
         exact%particles = sim%solid%n
@@ -107,7 +107,7 @@ contains
                 call print_settings(case, size_of%solid, b)
             end associate
         end do
-        if (size_of%solid%present) call print_meetings(case)
+        if (size_of%solid%present) call print_interactions(case)
         if (size_of%solid%present) call check_materials(case, size_of%solid)
         call print_cost(case, size_of, size_of%solid, gpus, early_t())
         call print_verdict(case, size_of%solid, 'sound as far as it can be read; a run builds '// &
@@ -186,7 +186,7 @@ contains
         do m = 1, size(case%materials)
             if (.not. any(case%bodies%material == case%materials(m)%id)) cycle
             write (output_unit, '(a)', advance='no') &
-                material_report(case%materials(m), solid%materials(m), meeting_speed(case)/2)
+                material_report(case%materials(m), solid%materials(m), approach_speed(case)/2)
         end do
     end subroutine check_materials
 

@@ -2,7 +2,7 @@
 !> From the case to the scene at t = 0.
 module brz_simulation_setup
     use brz_air_setup, only: set_up_air
-    use brz_between_steps, only: begin_between
+    use brz_body_pair_force_steps, only: begin_body_pair_force
     use brz_body_setup, only: set_up_solid
     use brz_charge_loss, only: weigh_loss
     use brz_coupling_setup, only: set_up_coupling
@@ -55,7 +55,7 @@ contains
         if (sim%solid%present) call setup_stage('neighbours')
         call start_solid(sim%solid, err)
         if (failed(err)) return
-        call begin_between(sim%solid, err)
+        call begin_body_pair_force(sim%solid, err)
         if (sim%air%present .and. sim%solid%present) call setup_stage('coupling')
         call set_up_coupling(sim%case, sim%air, sim%solid, sim%coupling, err)
         if (failed(err)) return

@@ -5,7 +5,7 @@ module brz_backend_step
     use brz_air_state, only: air_t
     use brz_air_sums, only: air_time_step
     use brz_backend, only: backend_t
-    use brz_between_steps, only: record_between
+    use brz_body_pair_force_steps, only: record_body_pair_force
     use brz_coupling_copy, only: fastest_wall, open_gpu_coupling
     use brz_coupling_state, only: coupling_t
     use brz_device, only: measure_memory
@@ -70,6 +70,6 @@ contains
         call load_faces(solid, dt, err)
         call record_impulse(solid, dt, err)
         call solid_step(solid, dt, err)
-        call record_between(solid, dt, err)
+        call record_body_pair_force(solid, dt, err)
     end subroutine advance_solid
 end module brz_backend_step

@@ -4,7 +4,7 @@
 !> `set_up_solid` fills all but lists and accelerations; start_solid (brz_solid_start) does that.
 module brz_body_setup
     use brz_body, only: body_t
-    use brz_body_pair, only: between_t
+    use brz_body_pair, only: body_pair_force_t
     use brz_body_points, only: lay_shapes, place_points, points_t
     use brz_body_shape, only: axis_of, shape_t
     use brz_body_start, only: held_t, hold_body, judge_held, move_body
@@ -26,7 +26,7 @@ module brz_body_setup
     use brz_layer_setup, only: settle_layer
     use brz_material, only: material_t, point_t
     use brz_materials, only: make_material, material_remarks, start_point
-    use brz_meeting_speed, only: meeting_speed
+    use brz_approach_speed, only: approach_speed
     use brz_plate, only: settle_plate
     use brz_region_setup, only: set_up_regions
     use brz_rigid_setup, only: set_up_rigid
@@ -122,7 +122,7 @@ contains
             if (case%gauges(g)%with_index > 0) then
                 pair = [case%gauges(g)%body_index, case%gauges(g)%with_index]
                 if (any([(all(solid%between(k)%body == pair), k=1, size(solid%between))])) cycle
-                solid%between = [solid%between, between_t(pair)]
+                solid%between = [solid%between, body_pair_force_t(pair)]
                 cycle
             end if
             associate (whole => quantities(find_quantity(trim(case%gauges(g)%quantity)))%whole)
@@ -205,7 +205,7 @@ contains
         solid%remove = case%solid%leave == 'remove'
         solid%skin = case%solid%skin*minval(case%bodies%spacing)
         call lay_shapes(case, solid%mirror, solid%depth, middle, points, err)
-        speed = meeting_speed(case)
+        speed = approach_speed(case)
         do b = 1, size(points)
             if (failed(err)) return
             associate (m => case%bodies(b)%material_index)

@@ -1,23 +1,23 @@
 ! SPDX-License-Identifier: MIT
 !> Body-pair force: that of contact between two bodies, summed over the particles of one.
-module brz_between_items
-    use brz_body_pair, only: between_t
+module brz_body_pair_force_items
+    use brz_body_pair, only: body_pair_force_t
     use brz_contact_items, only: add_pair, look_along, owner_of, trace_at
     use brz_contact_release, only: is_tied
     use brz_force_layout, only: at_drag, n_terms
-    use brz_interaction, only: law_shared, meeting_t
+    use brz_interaction, only: law_shared, interaction_t
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t, links_of, n_press
     use brz_pair_layout, only: n_pair
     implicit none
     private
-    public :: sum_between, add_impulse
+    public :: sum_body_pair_force, add_impulse
 
 contains
 
     !> Give a pair of bodies the force after a step and, by the trapezoid, its impulse in the step.
     pure subroutine add_impulse(between, force, dt)
-        type(between_t), intent(inout) :: between
+        type(body_pair_force_t), intent(inout) :: between
         real(dp), intent(in) :: force(3), dt !! [N], [s]
 
         between%impulse = between%impulse + dt/2*(between%force + force)
@@ -27,14 +27,15 @@ contains
     !> Add what body `other` does to a particle: springs and drag, as push_particle has them.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_between(k, first, other, lay, ends, table, cell, x, v, mass, weight, &
-                                stress, pair, press, bond, joined, row, slice, count, list, total)
+    pure subroutine sum_body_pair_force(k, first, other, lay, ends, table, cell, x, v, mass, &
+                                weight, stress, pair, press, bond, joined, row, slice, count, &
+                                list, total)
         integer, intent(in) :: k !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: other
         type(link_layout_t), intent(in) :: lay
         integer(int32), intent(in) :: ends(*)
-        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        type(interaction_t), intent(in) :: table(lay%bodies, *)
         real(rk), intent(in) :: cell(*)
         real(dp), intent(in) :: x(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*), stress(*)
@@ -76,5 +77,5 @@ contains
         do t = 1, 3
             total(t) = total(t) + (real(f(t), dp) + f(at_drag + t))
         end do
-    end subroutine sum_between
-end module brz_between_items
+    end subroutine sum_body_pair_force
+end module brz_body_pair_force_items

@@ -1,17 +1,17 @@
 ! SPDX-License-Identifier: MIT
 !> How fast bodies of a deck move against each other.
-module brz_meeting_speed
+module brz_approach_speed
     use brz_case, only: body_case_t, case_t
     use brz_kinds, only: dp
     implicit none
     private
-    public :: meeting_speed, closing_speed
+    public :: approach_speed, closing_speed
 
 contains
 
     !> Largest speed at which two bodies, a body and its mirror image, or a body and the part of it
     !> that is held or driven from the start move against each other [m/s]. What all share is none.
-    pure real(dp) function meeting_speed(case) result(speed)
+    pure real(dp) function approach_speed(case) result(speed)
         type(case_t), intent(in) :: case
         real(dp), allocatable :: v(:, :)
         integer :: a, b, k
@@ -27,7 +27,7 @@ contains
                 speed = max(speed, closing_speed(case%bodies(a), case%bodies(b)))
             end do
         end do
-    end function meeting_speed
+    end function approach_speed
 
     !> The same of two bodies [m/s].
     pure real(dp) function closing_speed(a, b) result(speed)
@@ -65,4 +65,4 @@ contains
                         [3, size(v, 2) + size(body%regions(m)%velocity, 2)])
         end do
     end function speeds_of
-end module brz_meeting_speed
+end module brz_approach_speed

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> What `--check` says of pairs of bodies: by which law they meet, and why.
-module brz_check_meetings
+module brz_print_interactions
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_case, only: case_t, interaction_case_t
     use brz_interaction_setup, only: find_rule
@@ -8,7 +8,7 @@ module brz_check_meetings
     use brz_text, only: to_text
     implicit none
     private
-    public :: print_meetings
+    public :: print_interactions
 
     integer, parameter :: most_named = 4 !! pairs of a kind that are named
 
@@ -22,7 +22,7 @@ contains
 
     !> A line for each law and reason, with the first pairs of bodies that meet so; what stress the
     !> faces have of contact and of the air.
-    subroutine print_meetings(case)
+    subroutine print_interactions(case)
         type(case_t), intent(in) :: case
         type(kind_t), allocatable :: kinds(:)
         type(interaction_case_t) :: rule
@@ -41,7 +41,7 @@ contains
                 to_text(kinds(k)%pairs - most_named)//' more pairs'
             write (output_unit, '(4a)') 'interaction  ', kinds(k)%law, ': ', kinds(k)%names
         end do
-    end subroutine print_meetings
+    end subroutine print_interactions
 
     !> Law of a pair, its friction, and where that is said.
     function law_text(rule) result(text)
@@ -76,4 +76,4 @@ contains
         if (kinds(k)%pairs > 1) kinds(k)%names = kinds(k)%names//', '
         kinds(k)%names = kinds(k)%names//name
     end subroutine count_pair
-end module brz_check_meetings
+end module brz_print_interactions
