@@ -5,7 +5,7 @@
 !> the order of the particles alone. Links of a particle stand in the order of the bodies, of the
 !> planes of images, and of the numbers of the particles.
 module brz_solid_links
-    use brz_bond_marks, only: bond_whole
+    use brz_bond_marks, only: tie_intact
     use brz_cell_grid, only: cell_span, extent, fill_cells, lay_grid, number_of_cell
     use brz_contact_items, only: owner_of
     use brz_interaction, only: law_bonded, law_none
@@ -250,7 +250,7 @@ contains
             do k = first_link(solid%links, i), last_link(solid%links, i)
                 b = owner_of(solid%links%ends, link_partner(solid%links, k))
                 if (solid%links%table(a, b)%law == law_bonded) &
-                    solid%links%bond(i) = bond_whole
+                    solid%links%bond(i) = tie_intact
             end do
         end do
     end subroutine first_bonds

@@ -24,13 +24,14 @@ contains
         integer :: b
 
         if (.not. solid%cohesive%present) return
-        associate (glue => solid%cohesive)
-            if (several(solid%ranks)) call clear_list(solid%on_gpu, glue%nodes, glue%place, err)
+        associate (cohesive => solid%cohesive)
+            if (several(solid%ranks)) call clear_list(solid%on_gpu, cohesive%nodes, &
+                cohesive%place, err)
         end associate
         do b = 1, size(solid%bodies)
-            associate (glue => solid%cohesive, there => solid%bodies(b))
+            associate (cohesive => solid%cohesive, there => solid%bodies(b))
                 call for_each_place_node(solid%on_gpu, there%rim - there%first + 1, there%first, solid%id, &
-                                     glue%row, glue%place, err)
+                                     cohesive%row, cohesive%place, err)
             end associate
         end do
         if (.not. solid%on_gpu) solid%links%joined = 0
@@ -48,21 +49,23 @@ contains
         if (solid%on_gpu) call fetch_gpu_points(solid%device, .false., solid%cohesive, err)
         call share_points(solid)
         if (solid%on_gpu) call put_points(solid%device, solid%cohesive, err)
-        associate (glue => solid%cohesive)
-            call clear_list(solid%on_gpu, glue%nodes, glue%owner, err)
+        associate (cohesive => solid%cohesive)
+            call clear_list(solid%on_gpu, cohesive%nodes, cohesive%owner, err)
         end associate
         do b = 1, size(solid%bodies)
-            associate (glue => solid%cohesive, there => solid%bodies(b))
+            associate (cohesive => solid%cohesive, there => solid%bodies(b))
                 call for_each_own_node(solid%on_gpu, there%last - there%first + 1, there%first, &
-                                   solid%ranks%rank + 1, solid%id, glue%row, glue%owner, err)
+                                   solid%ranks%rank + 1, solid%id, cohesive%row, cohesive%owner, &
+                                   err)
             end associate
         end do
         if (solid%on_gpu) call update_host(solid%cohesive%owner, err)
         call tell_owners(solid)
         if (solid%on_gpu) call update_device(solid%cohesive%owner, err)
-        associate (glue => solid%cohesive)
-            call for_each_see_point(solid%on_gpu, glue%n, solid%ranks%rank + 1, glue%first, glue%entry, glue%owner, &
-                                glue%seen_by, glue%mine, err)
+        associate (cohesive => solid%cohesive)
+            call for_each_see_point(solid%on_gpu, cohesive%n, solid%ranks%rank + 1, &
+                                cohesive%first, cohesive%entry, cohesive%owner, cohesive%seen_by, &
+                                cohesive%mine, err)
         end associate
     end subroutine note_owners
 
@@ -74,12 +77,12 @@ contains
         integer :: r
 
         if (.not. solid%cohesive%present) return
-        associate (glue => solid%cohesive, there => solid%bodies(b), part => solid%part)
+        associate (cohesive => solid%cohesive, there => solid%bodies(b), part => solid%part)
             do r = 0, solid%ranks%n - 1
                 if (r == solid%ranks%rank) cycle
                 call for_each_mark_glued(solid%on_gpu, there%last - there%first + 1, there%first, solid%n, r, &
-                    solid%id, glue%row, glue%back_first, glue%back, glue%seen_by, part%sent, &
-                    part%mark, err)
+                    solid%id, cohesive%row, cohesive%back_first, cohesive%back, cohesive%seen_by, &
+                    part%sent, part%mark, err)
             end do
         end associate
     end subroutine mark_glue
@@ -89,9 +92,10 @@ contains
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
-        associate (glue => solid%cohesive, links => solid%links)
-            call for_each_join_node(solid%on_gpu, glue%nodes, glue%bit, glue%of, glue%back_first, glue%back, &
-                                glue%damage, glue%place, links%joined, err)
+        associate (cohesive => solid%cohesive, links => solid%links)
+            call for_each_join_node(solid%on_gpu, cohesive%nodes, cohesive%bit, cohesive%of, &
+                                cohesive%back_first, cohesive%back, cohesive%damage, &
+                                cohesive%place, links%joined, err)
         end associate
         call refresh_joined(solid, err)
     end subroutine join_nodes
@@ -102,13 +106,16 @@ contains
         type(error_t), intent(inout) :: err
 
         if (.not. solid%cohesive%present) return
-        associate (glue => solid%cohesive, links => solid%links)
-            call for_each_open_point(solid%on_gpu, glue%n, solid%wide, glue%mine, glue%law, glue%bit, glue%of, &
-                glue%first, glue%entry, glue%weight, glue%area, glue%gap, glue%rest, glue%place, &
-                solid%x, solid%fixed, links%joined, glue%damage, glue%spent, glue%held, glue%pull, err)
+        associate (cohesive => solid%cohesive, links => solid%links)
+            call for_each_open_point(solid%on_gpu, cohesive%n, solid%wide, cohesive%mine, &
+                cohesive%law, cohesive%bit, cohesive%of, cohesive%first, cohesive%entry, &
+                cohesive%weight, cohesive%area, cohesive%gap, cohesive%rest, cohesive%place, &
+                solid%x, solid%fixed, links%joined, cohesive%damage, cohesive%spent, &
+                cohesive%held, cohesive%pull, err)
             call join_nodes(solid, err)
-            call for_each_gather_node(solid%on_gpu, glue%nodes, glue%place, glue%back_first, glue%back, glue%entry, &
-                                  glue%weight, glue%pull, glue%push(:, 1:), err)
+            call for_each_gather_node(solid%on_gpu, cohesive%nodes, cohesive%place, &
+                                  cohesive%back_first, cohesive%back, cohesive%entry, &
+                                  cohesive%weight, cohesive%pull, cohesive%push(:, 1:), err)
         end associate
         solid%dt_limit = min(solid%dt_limit, solid%cohesive%dt_limit)
     end subroutine cohesive_pass

@@ -143,7 +143,7 @@ contains
 
         if (.not. gpu%linked) return
         call list_linked(gpu, err)
-        associate (l => gpu%links, glue => solid%cohesive)
+        associate (l => gpu%links, cohesive => solid%cohesive)
             call press(gpu, real(dt, rk), err)
             call refresh_press(gpu, err)
             call clear_buffer(gpu%extra, err)
@@ -160,9 +160,9 @@ contains
             if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%stride_d, &
                 l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%k_axes, &
                 gpu%control, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
-            if (glue%present) call cohesive_kernels%add_pull(glue%nodes, gpu%stride_d, &
-                integers_t(address=on_device(glue%place)), &
-                doubles_t(address=on_device(glue%push(:, 1:))), gpu%extra, err)
+            if (cohesive%present) call cohesive_kernels%add_pull(cohesive%nodes, gpu%stride_d, &
+                integers_t(address=on_device(cohesive%place)), &
+                doubles_t(address=on_device(cohesive%push(:, 1:))), gpu%extra, err)
         end associate
     end subroutine contact_pass
 

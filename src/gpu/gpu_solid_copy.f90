@@ -106,15 +106,16 @@ contains
     end subroutine fetch_solid
 
     !> What fetch_solid reads.
-    subroutine note_solid(gpu, glue, snapshot)
+    subroutine note_solid(gpu, cohesive, snapshot)
         type(solid_device_t), intent(in) :: gpu
-        type(cohesive_t), intent(in) :: glue
+        type(cohesive_t), intent(in) :: cohesive
         type(snapshot_t), intent(inout) :: snapshot
 
         call snapshot%note([gpu%place%buffer_t, gpu%reference%buffer_t, gpu%built%buffer_t, &
                             gpu%motion%buffer_t, gpu%state%buffer_t, gpu%tag%buffer_t])
-        if (glue%present) call snapshot%note([buffer_of(glue%place), buffer_of(glue%damage), &
-                                              buffer_of(glue%spent), buffer_of(glue%held)])
+        if (cohesive%present) call snapshot%note([buffer_of(cohesive%place), &
+                                              buffer_of(cohesive%damage), &
+                                              buffer_of(cohesive%spent), buffer_of(cohesive%held)])
     end subroutine note_solid
 
     !> The bodies lie in the host arrays where solid_t says, as on the GPU, from now on. Only numbers

@@ -76,7 +76,7 @@ contains
         gpu%links%listed = .false.
         call attach_links(gpu, solid%links)
         associate (l => gpu%links)
-            if (.not. l%frees) call tie_kernels%count_loose(gpu%n, l%lay, l%ends, l%table, &
+            if (.not. l%frees) call tie_kernels%count_failed_ties(gpu%n, l%lay, l%ends, l%table, &
                 l%bond, l%joined, l%row, l%slice, l%count, l%list, l%loose, err)
         end associate
         met = 0

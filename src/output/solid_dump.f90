@@ -213,11 +213,11 @@ contains
 
         allocate (field(solid%n), source=0.0_real32)
         allocate (at(3, solid%cohesive%n))
-        associate (glue => solid%cohesive)
-            do p = 1, glue%n
+        associate (cohesive => solid%cohesive)
+            do p = 1, cohesive%n
                 do s = 1, 2
-                    i = glue%place(glue%beside(s, p))
-                    field(i) = max(field(i), real(glue%damage(p), real32))
+                    i = cohesive%place(cohesive%beside(s, p))
+                    field(i) = max(field(i), real(cohesive%damage(p), real32))
                     if (s == 1) at(:, p) = real(solid%x_ref(:, i), real64)
                 end do
             end do
@@ -226,10 +226,11 @@ contains
             end do
             call write_field(file, 'PointData/bond_damage', '-', field(rows%place), err)
             call write_field(file, 'FieldData/interface_at', 'm', at, err)
-            call write_field(file, 'FieldData/interface', '-', glue%of, err)
+            call write_field(file, 'FieldData/interface', '-', cohesive%of, err)
             call write_field(file, 'FieldData/interface_damage', '-', &
-                             real(glue%damage, real32), err)
-            call write_field(file, 'FieldData/interface_area', 'm2', real(glue%area, real32), err)
+                             real(cohesive%damage, real32), err)
+            call write_field(file, 'FieldData/interface_area', 'm2', real(cohesive%area, real32), &
+                err)
             call h5_write(file, root//'/FieldData/interface_names', names, err)
         end associate
     end subroutine write_interfaces

@@ -323,12 +323,12 @@ contains
             end associate
         end do
         allocate (case%interactions(1))
-        associate (glue => case%interactions(1))
-            glue%law = 'cohesive'
-            glue%tensile_strength = 1e3_dp
-            glue%shear_strength = 1e3_dp
-            glue%gi = 1e9_dp
-            glue%gii = 1e9_dp
+        associate (cohesive => case%interactions(1))
+            cohesive%law = 'cohesive'
+            cohesive%tensile_strength = 1e3_dp
+            cohesive%shear_strength = 1e3_dp
+            cohesive%gi = 1e9_dp
+            cohesive%gii = 1e9_dp
         end associate
     end subroutine part_plies
 

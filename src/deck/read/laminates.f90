@@ -13,7 +13,7 @@ module brz_laminates
     use brz_group_values, only: set_numbers, set_text, take_entry
     use brz_key, only: key_t
     use brz_kinds, only: dp
-    use brz_laminate_glue, only: glue_plies, keep_plies_whole
+    use brz_laminate_interfaces, only: glue_plies, keep_plies_whole
     use brz_layup, only: parse_layup
     use brz_text, only: digits_only, string_t, to_text
     implicit none

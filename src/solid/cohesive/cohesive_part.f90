@@ -21,19 +21,19 @@ contains
         real(dp), allocatable :: state(:)
 
         if (.not. (solid%cohesive%present .and. several(solid%ranks))) return
-        associate (glue => solid%cohesive)
-            if (all(glue%owner == 0)) return ! all have all of it yet
-            do p = 1, glue%n
-                if (glue%owner(glue%node(glue%first(p))) == solid%ranks%rank + 1) cycle
-                glue%damage(p) = 0
-                glue%spent(p) = 0
-                glue%held(p) = 0
+        associate (cohesive => solid%cohesive)
+            if (all(cohesive%owner == 0)) return ! all have all of it yet
+            do p = 1, cohesive%n
+                if (cohesive%owner(cohesive%node(cohesive%first(p))) == solid%ranks%rank + 1) cycle
+                cohesive%damage(p) = 0
+                cohesive%spent(p) = 0
+                cohesive%held(p) = 0
             end do
-            state = [glue%damage, glue%spent, glue%held]
+            state = [cohesive%damage, cohesive%spent, cohesive%held]
             call bits_of_all(solid%ranks, state)
-            glue%damage = state(:glue%n)
-            glue%spent = state(glue%n + 1:2*glue%n)
-            glue%held = state(2*glue%n + 1:)
+            cohesive%damage = state(:cohesive%n)
+            cohesive%spent = state(cohesive%n + 1:2*cohesive%n)
+            cohesive%held = state(2*cohesive%n + 1:)
         end associate
     end subroutine share_points
 

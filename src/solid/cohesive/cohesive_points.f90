@@ -33,13 +33,13 @@ module brz_cohesive_points
 contains
 
     !> No points yet.
-    subroutine begin_points(glue)
-        type(cohesive_t), intent(inout) :: glue
+    subroutine begin_points(cohesive)
+        type(cohesive_t), intent(inout) :: cohesive
 
-        glue%n = 0
-        allocate (glue%of(0), glue%area(0), glue%gap(0), glue%beside(2, 0), glue%rest(3, 2, 0), &
-                  glue%node(0), glue%mask(0), glue%weight(3, 0))
-        allocate (glue%first(1), source=1_int32)
+        cohesive%n = 0
+        allocate (cohesive%of(0), cohesive%area(0), cohesive%gap(0), cohesive%beside(2, 0), &
+                  cohesive%rest(3, 2, 0), cohesive%node(0), cohesive%mask(0), cohesive%weight(3, 0))
+        allocate (cohesive%first(1), source=1_int32)
     end subroutine begin_points
 
     !> Points of one interface, appended to those that are there.
@@ -201,8 +201,8 @@ contains
     end subroutine grow
 
     !> Append the points of an interface; the nodes are numbers of particles for the time being.
-    subroutine append(glue, k, faces, sides, rest)
-        type(cohesive_t), intent(inout) :: glue
+    subroutine append(cohesive, k, faces, sides, rest)
+        type(cohesive_t), intent(inout) :: cohesive
         integer, intent(in) :: k
         type(faces_t), intent(in) :: faces
         type(side_t), intent(in) :: sides(2)
@@ -210,31 +210,31 @@ contains
         integer(int32) :: first(faces%n)
         integer :: e, f, s, n, last
 
-        n = size(glue%node)
+        n = size(cohesive%node)
         last = n + sides(1)%n + sides(2)%n
-        glue%of = [glue%of, spread(int(k, int32), 1, faces%n)]
-        glue%area = [glue%area, faces%area]
-        glue%gap = [glue%gap, spread(0.0_dp, 1, faces%n)]
-        glue%beside = reshape([glue%beside, transpose(reshape([faces%own, faces%other], &
+        cohesive%of = [cohesive%of, spread(int(k, int32), 1, faces%n)]
+        cohesive%area = [cohesive%area, faces%area]
+        cohesive%gap = [cohesive%gap, spread(0.0_dp, 1, faces%n)]
+        cohesive%beside = reshape([cohesive%beside, transpose(reshape([faces%own, faces%other], &
                                                               [faces%n, 2]))], &
-                              [2, glue%n + faces%n])
-        glue%rest = reshape([glue%rest, rest], [3, 2, glue%n + faces%n])
-        glue%node = [glue%node, spread(0_int32, 1, last - n)]
-        glue%mask = [glue%mask, spread(0_int8, 1, last - n)]
-        glue%weight = reshape([glue%weight, spread(0.0_dp, 1, 3*(last - n))], [3, last])
+                              [2, cohesive%n + faces%n])
+        cohesive%rest = reshape([cohesive%rest, rest], [3, 2, cohesive%n + faces%n])
+        cohesive%node = [cohesive%node, spread(0_int32, 1, last - n)]
+        cohesive%mask = [cohesive%mask, spread(0_int8, 1, last - n)]
+        cohesive%weight = reshape([cohesive%weight, spread(0.0_dp, 1, 3*(last - n))], [3, last])
         do f = 1, faces%n
             do s = 1, 2
                 do e = sides(s)%first(f), sides(s)%first(f + 1) - 1
                     n = n + 1
-                    glue%node(n) = sides(s)%node(e)
-                    glue%mask(n) = sides(s)%mask(e)
-                    glue%weight(:, n) = sides(s)%weight(:, e)*[2*s - 3.0_dp, 0.5_dp, 0.5_dp]
+                    cohesive%node(n) = sides(s)%node(e)
+                    cohesive%mask(n) = sides(s)%mask(e)
+                    cohesive%weight(:, n) = sides(s)%weight(:, e)*[2*s - 3.0_dp, 0.5_dp, 0.5_dp]
                 end do
             end do
             first(f) = n + 1
         end do
-        glue%first = [glue%first, first]
-        glue%n = glue%n + faces%n
+        cohesive%first = [cohesive%first, first]
+        cohesive%n = cohesive%n + faces%n
     end subroutine append
 
     !> What the last points see as gap in the unloaded bodies, and what of their tangents no
@@ -245,67 +245,70 @@ contains
         real(dp) :: gap(3), seen(3, 2), x(3), normal(3)
         integer :: e, p
 
-        associate (glue => solid%cohesive)
-            do p = glue%n - n + 1, glue%n
+        associate (cohesive => solid%cohesive)
+            do p = cohesive%n - n + 1, cohesive%n
                 gap = 0
                 seen = 0
-                do e = glue%first(p), glue%first(p + 1) - 1
-                    x = signs(int(glue%mask(e)))*solid%x_ref(:, glue%node(e))
-                    gap = gap + glue%weight(1, e)*x
-                    seen(:, 1) = seen(:, 1) + glue%weight(2, e)*x
-                    seen(:, 2) = seen(:, 2) + glue%weight(3, e)*x
+                do e = cohesive%first(p), cohesive%first(p + 1) - 1
+                    x = signs(int(cohesive%mask(e)))*solid%x_ref(:, cohesive%node(e))
+                    gap = gap + cohesive%weight(1, e)*x
+                    seen(:, 1) = seen(:, 1) + cohesive%weight(2, e)*x
+                    seen(:, 2) = seen(:, 2) + cohesive%weight(3, e)*x
                 end do
-                associate (t => glue%rest(:, :, p))
+                associate (t => cohesive%rest(:, :, p))
                     normal = [t(2, 1)*t(3, 2) - t(3, 1)*t(2, 2), &
                               t(3, 1)*t(1, 2) - t(1, 1)*t(3, 2), &
                               t(1, 1)*t(2, 2) - t(2, 1)*t(1, 2)]
                     t = t - seen
                     where (abs(t) < 1e-9_dp) t = 0
                 end associate
-                glue%gap(p) = dot_product(gap, normal)
-                if (abs(glue%gap(p)) < 1e-9_dp*sqrt(glue%area(p))) glue%gap(p) = 0
+                cohesive%gap(p) = dot_product(gap, normal)
+                if (abs(cohesive%gap(p)) < 1e-9_dp*sqrt(cohesive%area(p))) cohesive%gap(p) = 0
             end do
         end associate
     end subroutine settle_gaps
 
     !> Number the particles that points see, and list the entries of each.
-    subroutine link_nodes(glue, particles)
-        type(cohesive_t), intent(inout) :: glue
+    subroutine link_nodes(cohesive, particles)
+        type(cohesive_t), intent(inout) :: cohesive
         integer, intent(in) :: particles
         integer :: e, i, p
         integer, allocatable :: last(:)
 
-        allocate (glue%row(particles), source=0_int32)
-        glue%row(glue%node) = 1
-        glue%nodes = 0
+        allocate (cohesive%row(particles), source=0_int32)
+        cohesive%row(cohesive%node) = 1
+        cohesive%nodes = 0
         do i = 1, particles
-            if (glue%row(i) == 0) cycle
-            glue%nodes = glue%nodes + 1
-            glue%row(i) = glue%nodes
+            if (cohesive%row(i) == 0) cycle
+            cohesive%nodes = cohesive%nodes + 1
+            cohesive%row(i) = cohesive%nodes
         end do
-        glue%node = glue%row(glue%node)
-        glue%entry = glue%node + int(glue%mask, int32)*mask_unit
-        glue%beside = reshape(glue%row(reshape(glue%beside, [2*glue%n])), [2, glue%n])
-        allocate (glue%back_first(glue%nodes + 1), source=0_int32)
-        do e = 1, size(glue%node)
-            glue%back_first(glue%node(e) + 1) = glue%back_first(glue%node(e) + 1) + 1
+        cohesive%node = cohesive%row(cohesive%node)
+        cohesive%entry = cohesive%node + int(cohesive%mask, int32)*mask_unit
+        cohesive%beside = reshape(cohesive%row(reshape(cohesive%beside, [2*cohesive%n])), [2, &
+            cohesive%n])
+        allocate (cohesive%back_first(cohesive%nodes + 1), source=0_int32)
+        do e = 1, size(cohesive%node)
+            cohesive%back_first(cohesive%node(e) + 1) = cohesive%back_first(cohesive%node(e) + 1) &
+                + 1
         end do
-        glue%back_first(1) = 1
-        do i = 1, glue%nodes
-            glue%back_first(i + 1) = glue%back_first(i + 1) + glue%back_first(i)
+        cohesive%back_first(1) = 1
+        do i = 1, cohesive%nodes
+            cohesive%back_first(i + 1) = cohesive%back_first(i + 1) + cohesive%back_first(i)
         end do
-        allocate (glue%back(2, size(glue%node)))
-        last = glue%back_first(:glue%nodes)
-        do p = 1, glue%n
-            do e = glue%first(p), glue%first(p + 1) - 1
-                glue%back(:, last(glue%node(e))) = [e, p]
-                last(glue%node(e)) = last(glue%node(e)) + 1
+        allocate (cohesive%back(2, size(cohesive%node)))
+        last = cohesive%back_first(:cohesive%nodes)
+        do p = 1, cohesive%n
+            do e = cohesive%first(p), cohesive%first(p + 1) - 1
+                cohesive%back(:, last(cohesive%node(e))) = [e, p]
+                last(cohesive%node(e)) = last(cohesive%node(e)) + 1
             end do
         end do
-        allocate (glue%place(glue%nodes), glue%owner(glue%nodes), glue%seen_by(glue%n), &
-                  source=0_int32)
-        allocate (glue%mine(glue%n), source=1_int32)
-        allocate (glue%damage(glue%n), glue%spent(glue%n), glue%held(glue%n), &
-                  glue%pull(3, 3, glue%n), glue%push(3, 0:glue%nodes), source=0.0_dp)
+        allocate (cohesive%place(cohesive%nodes), cohesive%owner(cohesive%nodes), &
+                  cohesive%seen_by(cohesive%n), source=0_int32)
+        allocate (cohesive%mine(cohesive%n), source=1_int32)
+        allocate (cohesive%damage(cohesive%n), cohesive%spent(cohesive%n), &
+                  cohesive%held(cohesive%n), cohesive%pull(3, 3, cohesive%n), &
+                  cohesive%push(3, 0:cohesive%nodes), source=0.0_dp)
     end subroutine link_nodes
 end module brz_cohesive_points

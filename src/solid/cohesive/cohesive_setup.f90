@@ -112,13 +112,13 @@ contains
             return
         end if
         k = k + 1
-        associate (glue => solid%cohesive)
-            glue%body(:, k) = [a, b]
-            glue%facing(k) = merge(faces%axis(1), 0, all(faces%axis == faces%axis(1)))
-            glue%law(k) = law_of(rule)
-            call choose_bit(glue%body(:, :k), glue%bit(:k), err)
-            solid%links%table(a, b)%bit = glue%bit(k)
-            solid%links%table(b, a)%bit = glue%bit(k)
+        associate (cohesive => solid%cohesive)
+            cohesive%body(:, k) = [a, b]
+            cohesive%facing(k) = merge(faces%axis(1), 0, all(faces%axis == faces%axis(1)))
+            cohesive%law(k) = law_of(rule)
+            call choose_bit(cohesive%body(:, :k), cohesive%bit(:k), err)
+            solid%links%table(a, b)%bit = cohesive%bit(k)
+            solid%links%table(b, a)%bit = cohesive%bit(k)
         end associate
         call lay_points(solid, k, faces, spacing)
     end subroutine lay_interface
@@ -168,16 +168,16 @@ contains
     end subroutine choose_bit
 
     !> Interfaces of bodies that touch.
-    subroutine keep_first(glue, n)
-        type(cohesive_t), intent(inout) :: glue
+    subroutine keep_first(cohesive, n)
+        type(cohesive_t), intent(inout) :: cohesive
         integer, intent(in) :: n
 
-        glue%law = glue%law(:n)
-        glue%body = glue%body(:, :n)
-        glue%facing = glue%facing(:n)
-        glue%bit = glue%bit(:n)
-        glue%limit = glue%limit(:n)
-        glue%softened = glue%softened(:n)
+        cohesive%law = cohesive%law(:n)
+        cohesive%body = cohesive%body(:, :n)
+        cohesive%facing = cohesive%facing(:n)
+        cohesive%bit = cohesive%bit(:n)
+        cohesive%limit = cohesive%limit(:n)
+        cohesive%softened = cohesive%softened(:n)
     end subroutine keep_first
 
     !> Least modulus of a material [Pa].
@@ -212,24 +212,25 @@ contains
         integer :: k
 
         if (failed(err)) return
-        associate (glue => solid%cohesive)
-            usual = .not. glue%law%stiffness > 0
-            do k = 1, size(glue%law)
-                if (usual(k)) glue%law(k)%stiffness = usual_stiffness*weaker(solid, k) &
-                    /solid%bodies(glue%body(1, k))%spacing
+        associate (cohesive => solid%cohesive)
+            usual = .not. cohesive%law%stiffness > 0
+            do k = 1, size(cohesive%law)
+                if (usual(k)) cohesive%law(k)%stiffness = usual_stiffness*weaker(solid, k) &
+                    /solid%bodies(cohesive%body(1, k))%spacing
                 call add_layers(solid, k, usual(k))
             end do
-            glue%softened = .false.
+            cohesive%softened = .false.
             call find_fastest(solid, fastest)
-            do k = 1, size(glue%law)
-                allowed = (2*stable_share/(least_step*step_of_bodies(solid, glue%body(:, k))))**2
-                glue%softened(k) = usual(k) .and. fastest(k) > allowed
-                if (glue%softened(k)) &
-                    glue%law(k)%stiffness = glue%law(k)%stiffness*allowed/fastest(k)
+            do k = 1, size(cohesive%law)
+                allowed = (2*stable_share/(least_step*step_of_bodies(solid, &
+                    cohesive%body(:, k))))**2
+                cohesive%softened(k) = usual(k) .and. fastest(k) > allowed
+                if (cohesive%softened(k)) &
+                    cohesive%law(k)%stiffness = cohesive%law(k)%stiffness*allowed/fastest(k)
             end do
             call find_fastest(solid, fastest)
-            glue%limit = 2*stable_share/sqrt(max(fastest, tiny(1.0_dp)))
-            glue%dt_limit = minval(glue%limit)
+            cohesive%limit = 2*stable_share/sqrt(max(fastest, tiny(1.0_dp)))
+            cohesive%dt_limit = minval(cohesive%limit)
         end associate
     end subroutine settle_stiffness
 
@@ -255,26 +256,27 @@ contains
         real(dp) :: row
         integer :: e, k, p
 
-        associate (glue => solid%cohesive)
-            allocate (of_node(glue%nodes), source=0.0_dp)
-            do p = 1, glue%n
-                do e = glue%first(p), glue%first(p + 1) - 1
-                    of_node(glue%node(e)) = of_node(glue%node(e)) &
-                        + share(glue, p, e)*stiffest(glue%law(glue%of(p)))*glue%area(p)
+        associate (cohesive => solid%cohesive)
+            allocate (of_node(cohesive%nodes), source=0.0_dp)
+            do p = 1, cohesive%n
+                do e = cohesive%first(p), cohesive%first(p + 1) - 1
+                    of_node(cohesive%node(e)) = of_node(cohesive%node(e)) &
+                        + share(cohesive, p, &
+                        e)*stiffest(cohesive%law(cohesive%of(p)))*cohesive%area(p)
                 end do
             end do
             do k = 1, solid%n ! particles are in the order of their numbers
-                if (glue%row(k) == 0) cycle
-                of_node(glue%row(k)) = of_node(glue%row(k))/solid%mass(k)
-                if (solid%fixed(k) == is_fixed) of_node(glue%row(k)) = 0
+                if (cohesive%row(k) == 0) cycle
+                of_node(cohesive%row(k)) = of_node(cohesive%row(k))/solid%mass(k)
+                if (solid%fixed(k) == is_fixed) of_node(cohesive%row(k)) = 0
             end do
             fastest = 0
-            do p = 1, glue%n
+            do p = 1, cohesive%n
                 row = 0
-                do e = glue%first(p), glue%first(p + 1) - 1
-                    row = row + share(glue, p, e)*of_node(glue%node(e))
+                do e = cohesive%first(p), cohesive%first(p + 1) - 1
+                    row = row + share(cohesive, p, e)*of_node(cohesive%node(e))
                 end do
-                fastest(glue%of(p)) = max(fastest(glue%of(p)), row)
+                fastest(cohesive%of(p)) = max(fastest(cohesive%of(p)), row)
             end do
         end associate
     end subroutine find_fastest
@@ -287,11 +289,11 @@ contains
     end function stiffest
 
     !> Most that an opening changes by an entry.
-    pure real(dp) function share(glue, p, e)
-        type(cohesive_t), intent(in) :: glue
+    pure real(dp) function share(cohesive, p, e)
+        type(cohesive_t), intent(in) :: cohesive
         integer, intent(in) :: p, e !! point, entry
 
-        share = abs(glue%weight(1, e)) + abs(glue%gap(p))*norm2(glue%weight(2:3, e))
+        share = abs(cohesive%weight(1, e)) + abs(cohesive%gap(p))*norm2(cohesive%weight(2:3, e))
     end function share
 
     !> Length of the cohesive zone of a mode, E G/T^2, over the spacing of the finer side.

@@ -3,7 +3,7 @@
 !> continuum does, until a bond breaks for good. Bodies that share their sums do so whenever they
 !> approach or are compressed, though they start apart.
 module brz_bond_items
-    use brz_bond_marks, only: bond_breaks, bond_broken, bond_whole
+    use brz_bond_marks, only: bond_breaks, bond_broken, tie_intact
     use brz_contact, only: bond_effort, joins, takes_part
     use brz_contact_items, only: look_ahead, look_along, owner_of
     use brz_force_layout, only: at_drag, at_heat, at_stiff, n_terms
@@ -53,7 +53,7 @@ contains
         do k = 1, n
             call look_ahead(lay, list, at, k, n, i, x, v, next, j, s, r, dv)
             b = owner_of(ends, j)
-            if (.not. joins(table(a, b), bond(i) == bond_whole .and. bond(j) == bond_whole)) cycle
+            if (.not. joins(table(a, b), bond(i) == tie_intact .and. bond(j) == tie_intact)) cycle
             w = volume(1, j)*kernel_slope(table(a, b)%scale/lay%depth, table(a, b)%half_over_h, &
                                           sqrt(r(1)**2 + r(2)**2 + r(3)**2))
             if (.not. w > 0) cycle ! beyond the support
@@ -142,7 +142,7 @@ contains
         do k = 0, n - 1
             call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
             b = owner_of(ends, j)
-            if (.not. joins(table(a, b), bond(i) == bond_whole .and. bond(j) == bond_whole)) cycle
+            if (.not. joins(table(a, b), bond(i) == tie_intact .and. bond(j) == tie_intact)) cycle
             slope = kernel_slope(table(a, b)%scale/lay%depth, table(a, b)%half_over_h, &
                                  sqrt(r(1)**2 + r(2)**2 + r(3)**2))
             if (.not. slope > 0) cycle ! beyond the support
@@ -351,7 +351,7 @@ contains
 
         i = first - 1 + k
         if (bond(i) == bond_breaks) bond(i) = bond_broken
-        if (bond(i) /= bond_whole) return
+        if (bond(i) /= tie_intact) return
         a = owner_of(ends, i)
         do t = 1, 3
             normal(t) = 0

@@ -4,7 +4,7 @@
 !>
 !> Source: docs/solid.md section 9
 module brz_contact_release
-    use brz_bond_marks, only: bond_breaks, bond_whole, loose_by
+    use brz_bond_marks, only: bond_breaks, tie_intact, loose_by
     use brz_contact, only: joins
     use brz_interaction, only: law_bonded, interaction_t
     use brz_kinds, only: int32, real32, rk
@@ -21,7 +21,7 @@ contains
         integer(int32), intent(in) :: bond_i, bond_j, joined_i, joined_j
         logical :: yes
 
-        yes = joins(m, bond_i == bond_whole .and. bond_j == bond_whole)
+        yes = joins(m, bond_i == tie_intact .and. bond_j == tie_intact)
         if (m%bit /= 0) yes = yes .or. iand(iand(joined_i, joined_j), m%bit) /= 0
     end function is_tied
 
@@ -35,8 +35,8 @@ contains
 
         yes = .false.
         if (m%law == law_bonded .and. (bond_i == bond_breaks .or. bond_j == bond_breaks)) &
-            yes = (bond_i == bond_whole .or. bond_i == bond_breaks) .and. &
-                  (bond_j == bond_whole .or. bond_j == bond_breaks)
+            yes = (bond_i == tie_intact .or. bond_i == bond_breaks) .and. &
+                  (bond_j == tie_intact .or. bond_j == bond_breaks)
         if (m%bit == 0) return
         both = iand(ior(joined_i, ishft(joined_i, -loose_by)), &
                     ior(joined_j, ishft(joined_j, -loose_by)))

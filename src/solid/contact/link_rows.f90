@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The inter-body neighbours of a particle, called links, as lists of links_t hold them on the CPU.
 module brz_link_rows
-    use brz_bond_marks, only: bond_whole
+    use brz_bond_marks, only: tie_intact
     use brz_contact_items, only: owner_of
     use brz_force_layout, only: at_drag, at_heat, at_stiff
     use brz_interaction, only: law_bonded
@@ -58,7 +58,7 @@ contains
         if (.not. links%bonds) return
         is_bonded = links%table(owner_of(links%ends, i), &
                                 owner_of(links%ends, j))%law == law_bonded .and. &
-                    links%bond(i) == bond_whole .and. links%bond(j) == bond_whole
+                    links%bond(i) == tie_intact .and. links%bond(j) == tie_intact
     end function is_bonded
 
     !> Which interfaces still hold each particle; where there are none, marks that mean nothing.
@@ -72,13 +72,13 @@ contains
 
     !> Forces on the nodes of interfaces, and the node of each particle by its number; where there
     !> are no interfaces something that must not be read.
-    function glue_of(solid) result(glue)
+    function glue_of(solid) result(cohesive)
         type(solid_t), intent(in), target :: solid
-        real(dp), pointer, contiguous :: glue(:, :) !! [N]
+        real(dp), pointer, contiguous :: cohesive(:, :) !! [N]
 
-        glue => no_glue
-        if (solid%on_gpu) glue => solid%x ! it has a copy
-        if (solid%cohesive%present) glue => solid%cohesive%push
+        cohesive => no_glue
+        if (solid%on_gpu) cohesive => solid%x ! it has a copy
+        if (solid%cohesive%present) cohesive => solid%cohesive%push
     end function glue_of
 
     function nodes_of(solid) result(node)

@@ -10,7 +10,7 @@ module brz_tie_items
     use brz_link_layout, only: link_layout_t, links_of, mask_unit
     implicit none
     private
-    public :: count_loose, drop_links, mark_linked
+    public :: count_failed_ties, drop_links, mark_linked
 
 contains
 
@@ -55,7 +55,8 @@ contains
     !> Number of links of a particle, or 0 where all of them are tied: it then has no contact.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine count_loose(i, lay, ends, table, bond, joined, row, slice, count, list, loose)
+    pure subroutine count_failed_ties(i, lay, ends, table, bond, joined, row, slice, count, list, &
+    loose)
         integer, intent(in) :: i !! particles
         type(link_layout_t), intent(in) :: lay
         integer(int32), intent(in) :: ends(*)
@@ -75,5 +76,5 @@ contains
             if (table(a, b)%law == law_shared .or. .not. &
                 is_tied(table(a, b), bond(i), bond(j), joined(i), joined(j))) loose(r) = n
         end do
-    end subroutine count_loose
+    end subroutine count_failed_ties
 end module brz_tie_items

@@ -115,14 +115,14 @@ contains
     !> Add what other bodies do to a particle to the force and the torque on its rigid body.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_pairs(p, first, wide, lay, pose, row, id, node, glue, x, pairs, push)
+    pure subroutine sum_pairs(p, first, wide, lay, pose, row, id, node, cohesive, x, pairs, push)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of x
         type(push_layout_t), intent(in) :: lay
         type(pose_t), intent(in) :: pose !! of the body
         integer(int32), intent(in) :: row(*), id(*), node(*)
-        real(dp), intent(in) :: glue(3, 0:*) !! forces on the nodes of interfaces [N]
+        real(dp), intent(in) :: cohesive(3, 0:*) !! forces on the nodes of interfaces [N]
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: pairs(*) !! forces [N], and torques of drag [N m]
         real(dp), intent(inout) :: push(6) !@exact force [N], torque [N m]
@@ -139,7 +139,7 @@ contains
             f(c) = 0
             if (at > 0) f(c) = pairs(at + (c - 1)*lay%step_c) &
                 + pairs(at + (lay%drag + c - 1)*lay%step_c)
-            if (lay%glued == 1) f(c) = f(c) + glue(c, node(id(i)))
+            if (lay%glued == 1) f(c) = f(c) + cohesive(c, node(id(i)))
         end do
         arm = arm_at(pose, x(1, i))
         torque = cross(arm, f)

@@ -252,16 +252,16 @@ contains
 
         do k = 1, size(solid%cohesive%law)
             call cohesive_totals(solid%cohesive, k, sums(1), sums(2), sums(3), sums(4))
-            associate (glue => solid%cohesive)
+            associate (cohesive => solid%cohesive)
                 write (output_unit, '(3a, i0, 5a)') 'interface    ', interface_name(solid, k), &
-                    ': ', count(glue%of == k), ' points, ', number(sums(4)), &
+                    ': ', count(cohesive%of == k), ' points, ', number(sums(4)), &
                     ' m2, zone E G/T^2 of ', number(zone_over_spacing(solid, k, 1)), &
                     ' (opening), '//number(zone_over_spacing(solid, k, 2))//' (sliding) spacings'
-                call print_more('stiffness '//number(glue%law(k)%stiffness)//' Pa/m'// &
+                call print_more('stiffness '//number(cohesive%law(k)%stiffness)//' Pa/m'// &
                                 trim(merge(' (less than usual, for the time step)', &
                                            '                                     ', &
-                                           glue%softened(k)))// &
-                                ', time step up to '//number(glue%limit(k))//' s')
+                                           cohesive%softened(k)))// &
+                                ', time step up to '//number(cohesive%limit(k))//' s')
             end associate
         end do
     end subroutine check_interfaces

@@ -212,17 +212,18 @@ contains
         integer :: i, p, r
 
         sent = 0
-        associate (glue => solid%cohesive)
+        associate (cohesive => solid%cohesive)
             do i = 1, solid%n
-                call own_node(i, 1, home(i) + 1, solid%id, glue%row, glue%owner)
+                call own_node(i, 1, home(i) + 1, solid%id, cohesive%row, cohesive%owner)
             end do
-            do p = 1, glue%n
-                call see_point(p, 1, glue%first, glue%entry, glue%owner, glue%seen_by, glue%mine)
+            do p = 1, cohesive%n
+                call see_point(p, 1, cohesive%first, cohesive%entry, cohesive%owner, &
+                    cohesive%seen_by, cohesive%mine)
             end do
             do r = 0, ubound(marked, 2)
                 do i = 1, solid%n
-                    call mark_glued(i, 1, solid%n, r, solid%id, glue%row, glue%back_first, &
-                                    glue%back, glue%seen_by, sent, marked)
+                    call mark_glued(i, 1, solid%n, r, solid%id, cohesive%row, cohesive%back_first, &
+                                    cohesive%back, cohesive%seen_by, sent, marked)
                 end do
             end do
         end associate

@@ -235,9 +235,10 @@ contains
         if (solid%present) rounding_energy = &
             mass*(100*epsilon(1.0_rk)*maxval(real(solid%materials%c_wave, dp)))**2
         if (.not. solid%cohesive%present) return
-        associate (glue => solid%cohesive) ! the weights of 20 places amplify their rounding
-            rounding_energy = rounding_energy + sum(glue%area*glue%law(glue%of)%stiffness)/2 &
-                              *(1e4_dp*epsilon(1.0_dp)*glue%farthest)**2
+        associate (cohesive => solid%cohesive) ! the weights of 20 places amplify their rounding
+            rounding_energy = rounding_energy + &
+                sum(cohesive%area*cohesive%law(cohesive%of)%stiffness)/2 &
+                              *(1e4_dp*epsilon(1.0_dp)*cohesive%farthest)**2
         end associate
     end function rounding_energy
 

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> The interfaces of a laminate: their strengths and energies, from the deck or from the plies.
-module brz_laminate_glue
+module brz_laminate_interfaces
     use brz_case, only: name_len
     use brz_complete, only: complete_group
     use brz_deck, only: add_group, complain, deck_t, drop_group, entry_t, find_group, group_t, &
@@ -204,4 +204,4 @@ contains
             if (parts(g)) call set_text(deck%groups(g), 'material', id)
         end do
     end subroutine copy_material
-end module brz_laminate_glue
+end module brz_laminate_interfaces
