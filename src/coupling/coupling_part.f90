@@ -56,7 +56,7 @@ contains
         copies%time = solid%time
         do b = 1, size(solid%bodies)
             copies%bodies(b)%rigid = solid%bodies(b)%rigid
-            copies%bodies(b)%asleep = solid%bodies(b)%asleep
+            copies%bodies(b)%inactive = solid%bodies(b)%inactive
         end do
     end subroutine introduce
 

@@ -102,7 +102,7 @@ contains
         end if
         all_felt = felt
         call sum_of_all(solid%ranks, all_felt)
-        solid%bodies%asleep = solid%bodies%asleep .and. all_felt == 0
+        solid%bodies%inactive = solid%bodies%inactive .and. all_felt == 0
         call wake_met(solid)
     end subroutine wake_loaded
 
@@ -119,7 +119,7 @@ contains
         call at_least(c%on_gpu, c%felt, size(felt), err)
         call clear_list(c%on_gpu, size(felt), c%felt, err)
         do b = 1, size(felt)
-            if (.not. solid%bodies(b)%asleep) cycle
+            if (.not. solid%bodies(b)%inactive) cycle
             associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
                 call for_each_feel_load(c%on_gpu, last - first + 1, first, c%box, dt, c%cell_of, &
                                         c%place_of, c%above, c%wall%impulse, c%felt(b:), err)

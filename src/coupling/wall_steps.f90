@@ -115,7 +115,7 @@ contains
 
         if (.not. allocated(solid%face_stress)) return
         do b = 1, size(solid%bodies)
-            if (.not. solid%bodies(b)%face_share > 0 .or. solid%bodies(b)%asleep) cycle
+            if (.not. solid%bodies(b)%face_share > 0 .or. solid%bodies(b)%inactive) cycle
             associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
                 call for_each_bear_load(c%on_gpu, last - first + 1, first, c%box, &
                                         solid%bodies(b)%layers, p%wide, p%stride_d, p%stride_t, &

@@ -213,7 +213,7 @@ contains
                     do j = 1, air%n(2)
                         hi = 0
                         do
-                            call next_run(air%awake(:, (j - 1)/brick + 1, (k - 1)/brick + 1), &
+                            call next_run(air%active(:, (j - 1)/brick + 1, (k - 1)/brick + 1), &
                                 air%n(1), lo, hi)
                             if (lo > air%n(1)) exit
                             if (first) then

@@ -32,13 +32,13 @@ contains
 
         inverse = merge(real(1/air%dx, rk), 0.0_rk, air%n > 1)
         fastest = 0
-        at = findloc(air%awake, 0_int8)
+        at = findloc(air%active, 0_int8)
         if (at(1) > 0) fastest = fastest_of_row(air, wall, (at - 1)*brick + 1, 1, inverse)
         !$omp parallel do collapse(2) schedule(static) reduction(max: fastest) &
         !$omp& if (size(air%rate) > few_numbers)
         do k = 1, air%n(3)
             do j = 1, air%n(2)
-                fastest = max(fastest, fastest_awake(air, wall, j, k, inverse))
+                fastest = max(fastest, fastest_active(air, wall, j, k, inverse))
             end do
         end do
         !$omp end parallel do
@@ -51,23 +51,23 @@ contains
         air_time_step = least(1)
     end function air_time_step
 
-    !> Largest sum_d (|u_d| + c)/dx_d of the awake cells of one row along x.
-    pure real(rk) function fastest_awake(air, wall, j, k, inverse)
+    !> Largest sum_d (|u_d| + c)/dx_d of the active cells of one row along x.
+    pure real(rk) function fastest_active(air, wall, j, k, inverse)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: j, k !! row
         real(rk), intent(in) :: inverse(3) !! 1/dx of the directions that are modelled [1/m]
         integer :: lo, hi
 
-        fastest_awake = 0
+        fastest_active = 0
         hi = 0
         do
-            call next_run(air%awake(:, (j - 1)/brick + 1, (k - 1)/brick + 1), air%n(1), lo, hi)
+            call next_run(air%active(:, (j - 1)/brick + 1, (k - 1)/brick + 1), air%n(1), lo, hi)
             if (lo > air%n(1)) exit
-            fastest_awake = max(fastest_awake, &
+            fastest_active = max(fastest_active, &
                 fastest_of_row(air, wall, [lo, j, k], hi - lo + 1, inverse))
         end do
-    end function fastest_awake
+    end function fastest_active
 
     !> Largest sum_d (|u_d| + c)/dx_d of some gas cells in a row along x.
     pure real(rk) function fastest_of_row(air, wall, first, n, inverse)

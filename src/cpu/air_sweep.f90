@@ -5,7 +5,7 @@
 !> the same instructions and give the same bits; then split fluxes, fluxes, differences.
 module brz_air_sweep
     use brz_kinds, only: dp, int8, rk
-    use brz_air_activity, only: awake_along, next_run
+    use brz_air_activity, only: active_along, next_run
     use brz_air_boundary, only: beyond_wall
     use brz_air_grid, only: place_of, stage_t
     use brz_air_state, only: air_t, bc_inside, bc_periodic, brick, lines_per_block, n_ghost, &
@@ -58,7 +58,7 @@ contains
         !$omp end parallel do
     end subroutine sweep
 
-    !> One block of lines: the parts of it that are awake.
+    !> One block of lines: the parts of it that are active.
     subroutine sweep_block(air, wall, d, b, stage, work)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
@@ -66,7 +66,7 @@ contains
         integer, intent(in) :: b !! block
         type(stage_t), intent(in) :: stage
         type(sweep_work_t), intent(inout) :: work
-        integer(int8) :: awake((air%n(d) + brick - 1)/brick)
+        integer(int8) :: active((air%n(d) + brick - 1)/brick)
         type(run_t) :: run
 
         run%first = all(air%n(:d - 1) == 1)
@@ -74,7 +74,7 @@ contains
         if (run%last) air%suspect(b) = 0
         work%ends = 0
         work%ends(:, 2, :) = pressure(air%scheme%gamma, air%rest)
-        call awake_along(air, d, b, awake)
+        call active_along(air, d, b, active)
         run%grid = air%n
         run%d = d
         run%block = b
@@ -82,7 +82,7 @@ contains
         call locate(air%n, air%g, d, b, run)
         run%hi = 0
         do
-            call next_run(awake, air%n(d), run%lo, run%hi)
+            call next_run(active, air%n(d), run%lo, run%hi)
             if (run%lo > air%n(d)) exit
             run%n = run%hi - run%lo + 1
             call sweep_run(air, wall, run, stage, work)

@@ -59,7 +59,7 @@ contains
 
         do b = 1, merge(size(solid%bodies), 0, solid%links%bonds)
             associate (body => solid%bodies(b))
-                if (body%formulation /= form_rigid .or. body%asleep .and. dt > 0) cycle
+                if (body%formulation /= form_rigid .or. body%inactive .and. dt > 0) cycle
                 do i = body%first, body%last
                     if (solid%links%row(i) == 0) cycle
                     f = 0

@@ -31,7 +31,7 @@ contains
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, lost)
         do k = 1, size(solid%block, 2)
             solid%search%sums(1:4, k) = 0
-            if (solid%bodies(solid%block(1, k))%asleep .and. dt > 0) cycle
+            if (solid%bodies(solid%block(1, k))%inactive .and. dt > 0) cycle
             do i = solid%block(2, k), solid%block(3, k)
                 associate (row => solid%links%row(i))
                     if (row == 0) cycle
@@ -46,7 +46,7 @@ contains
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i) &
         !$omp reduction(min: limit)
         do k = 1, size(solid%block, 2)
-            if (solid%bodies(solid%block(1, k))%asleep .and. dt > 0) cycle
+            if (solid%bodies(solid%block(1, k))%inactive .and. dt > 0) cycle
             do i = solid%block(2, k), solid%block(3, k)
                 if (solid%links%row(i) > 0) &
                     call add_up(solid, dt, i, solid%search%sums(:, k), limit)

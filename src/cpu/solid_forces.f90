@@ -56,7 +56,7 @@ contains
         end if
         do k = 1, size(solid%bodies)
             associate (account => solid%bodies(k)%account)
-                if (solid%bodies(k)%tensile_control > 0 .and. .not. (solid%bodies(k)%asleep &
+                if (solid%bodies(k)%tensile_control > 0 .and. .not. (solid%bodies(k)%inactive &
                                                                   .and. dt > 0)) then
                     account%hourglass = 0 ! what the blocks hold now
                 else if (solid%bodies(k)%artificial == artificial_none) then
@@ -95,7 +95,7 @@ contains
         integer :: i, first
 
         solid%search%sums(:, k) = 0
-        if (body%formulation == form_rigid .or. body%asleep .and. dt > 0) return
+        if (body%formulation == form_rigid .or. body%inactive .and. dt > 0) return
         call place_body(solid, body, p)
         do first = solid%block(2, k), solid%block(3, k), lanes
             if (solid%fixed(first) == is_gone) exit ! and so are all that follow

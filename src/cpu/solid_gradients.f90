@@ -41,8 +41,8 @@ module brz_solid_gradients
 
 contains
 
-    !> One pass over all particles that are awake; with dt = 0 over all, nothing is updated and only
-    !> `pair` is written.
+    !> One pass over all particles that are active; with dt = 0 over all, nothing is updated and
+    !> only `pair` is written.
     subroutine gradient_pass(solid, dt)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! step just made [s]
@@ -54,7 +54,7 @@ contains
                 solid%search%limit(k) = body%dt_limit
                 solid%search%sums(:, k) = 0
                 solid%search%bad(k) = 0
-                if (body%asleep .and. dt > 0) cycle
+                if (body%inactive .and. dt > 0) cycle
                 solid%search%limit(k) = huge(dt)
                 solid%search%drawn(k) = .false.
                 call gradient_block(solid, body, dt, k)
@@ -135,7 +135,8 @@ contains
         fails = solid%materials(body%material)%fails
         do l = 1, lanes
             i = min(p%i + l - 1, p%last)
-            if (solid%limp(i) /= 0 .or. strength_left(fails, solid%damage(i)) <= intact_share) cycle
+            if (solid%unsupported(i) /= 0 .or. strength_left(fails, solid%damage(i)) <= &
+                intact_share) cycle
             p%tilt(l) = solid%tilt(i)
         end do
     end subroutine tilt_group
@@ -189,7 +190,7 @@ contains
         real(rk), intent(inout) :: sums(n_terms)
         real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), f(3, 3), c_wave, c_bulk, rho
         real(rk) :: shrink, size, normal(3)
-        integer :: weak, weaker, c, limp
+        integer :: weak, weaker, c, unsupported
         logical :: tilted !! a gradient with arms of their own
 
         do c = solid%dimension + 1, 3
@@ -243,12 +244,12 @@ contains
         if (solid%links%faces) &
             call move_face(solid, body, i, real(dt, rk), rho, f, b, h)
         if (weak /= 0 .and. (body%formulation == form_bending .or. body%tensile_control > 0 .or. &
-                             body%formulation == form_total)) solid%limp(i) = 1
-        limp = solid%limp(i)
+                             body%formulation == form_total)) solid%unsupported(i) = 1
+        unsupported = solid%unsupported(i)
         call fill_row(rules, h, a, rho, c_bulk, solid%volume(i), 0.0_rk, solid%stress(:, i), &
-                      strength_left(solid%materials(body%material)%fails, solid%damage(i)), limp, &
-                      solid%pair(:, i))
-        solid%limp(i) = int(limp, int8)
+                      strength_left(solid%materials(body%material)%fails, solid%damage(i)), &
+                      unsupported, solid%pair(:, i))
+        solid%unsupported(i) = int(unsupported, int8)
         if (body%directional) call stiffen_along(body%axes(:, :, solid%ply(i)), left_of( &
             solid, body, i), solid%k_axes(:, i), solid%pair(:, i))
         if (.not. body%tensile_control > 0) return
@@ -328,7 +329,7 @@ contains
             call put_to_work(solid, body, i, rho, f, s)
             call multiply3(s, b, along)
             reach = 0
-            if (solid%limp(i) == 0) reach = body%face_share*real(body%spacing, rk)
+            if (solid%unsupported(i) == 0) reach = body%face_share*real(body%spacing, rk)
             call strain_face(dt, h, normal, along, reach, solid%mass(i)/rho, face(face_strain), &
                              face(face_past), solid%links%press(6:8, row))
         end associate
@@ -361,11 +362,11 @@ contains
         q = 0
         f = 0
         there = 0
-        if (drawn .and. solid%limp(i) == 0) then
+        if (drawn .and. solid%unsupported(i) == 0) then
             call inverse3(a, f, ok)
-            if (.not. ok) solid%limp(i) = 1
+            if (.not. ok) solid%unsupported(i) = 1
         end if
-        if (drawn .and. solid%limp(i) == 0) then
+        if (drawn .and. solid%unsupported(i) == 0) then
             q = deviation(solid%dimension, f, s, trace)
             there = trace
         end if
@@ -373,8 +374,8 @@ contains
         if (solid%materials(body%material)%class == class_elastic) mu = 0
         call copy_matrix(f, solid%control(control_affine + 1, i))
         call fill_control(kappa_of(body%tensile_control, body%lift, solid%pair(pair_tilt, i)), &
-                       solid%stress(:, i), mu, q, there, solid%volume(i), int(solid%limp(i)), &
-                       solid%control(:, i))
+                       solid%stress(:, i), mu, q, there, solid%volume(i), &
+                       int(solid%unsupported(i)), solid%control(:, i))
     end subroutine hold_particle
 
     !> The velocity gradient across a layer: its faces are free of stress at the end of the step.

@@ -84,14 +84,14 @@ contains
                 if (body%formulation /= form_bending .and. .not. body%tensile_control > 0) cycle
                 fails = solid%materials(body%material)%fails
                 do i = solid%block(2, k), solid%block(3, k)
-                    if (solid%limp(i) == 1) cycle
+                    if (solid%unsupported(i) == 1) cycle
                     ! no tensile control that could end, and no tilt
                     if (body%tensile_control > 0) then
                         if (.not. (may_be_drawn(solid%stress(:, i)) .or. is_tilted(solid, i))) &
                             cycle
                     end if
                     if (count_intact(solid, solid%block(1, k), i, fails) &
-                        < intact_share*solid%support(i)) solid%limp(i) = 1_int8
+                        < intact_share*solid%support(i)) solid%unsupported(i) = 1_int8
                 end do
             end associate
         end do

@@ -52,7 +52,7 @@ contains
         end do
     end subroutine air_step
 
-    !> Room, impulses and the map of what is awake, for a step. On a GPU the first one is computed
+    !> Room, impulses and the map of what is active, for a step. On a GPU the first one is computed
     !> everywhere, so that all states and fluxes hold gas at rest.
     subroutine begin_step(air, wall, err)
         type(air_t), intent(inout) :: air

@@ -29,11 +29,12 @@ contains
         rest%u = air%rest
         rest%momentum = epsilon(1.0_rk)*sqrt(air%scheme%gamma*air%p_rest*air%rho_rest)
         n = rows_of_brick*product(air%grid%bricks)
-        call for_each_look_at_row(air%on_gpu, n, air%grid, rest, air%u, air%awake, air%reached, err)
-        call for_each_settle_row(air%on_gpu, n, air%grid, air%awake, air%reached, air%u, err)
+        call for_each_look_at_row(air%on_gpu, n, air%grid, rest, air%u, air%active, air%reached, &
+            err)
+        call for_each_settle_row(air%on_gpu, n, air%grid, air%active, air%reached, air%u, err)
     end subroutine settle_bricks
 
-    !> Awake are the reached bricks and those as near as a step reaches, those of other processes
+    !> Active are the reached bricks and those as near as a step reaches, those of other processes
     !> around the box as well.
     subroutine wake_bricks(air, err)
         type(air_t), intent(inout) :: air
@@ -46,7 +47,7 @@ contains
             layers = layers_around(air%n, air%bc(1, :) == bc_periodic, &
                                    air%n_stages*reach_of(air%scheme))
             call for_each_wake_near(air%on_gpu, n, air%grid, layers(1), layers(2), layers(3), air%reached, &
-                                air%awake, err)
+                                air%active, err)
             return
         end if
         layers = layers_around(air%whole, air%outer(1, :) == bc_periodic, &
@@ -57,8 +58,8 @@ contains
             call for_each_put_bytes(air%on_gpu, n, air%part%own, air%reached, air%part%reached, err)
             call exchange_bricks(air, err)
             call for_each_wake_near(air%on_gpu, product(near%bricks), near, layers(1), layers(2), layers(3), &
-                                air%part%reached, air%part%awake, err)
-            call for_each_pick_bytes(air%on_gpu, n, air%part%own, air%part%awake, air%awake, err)
+                                air%part%reached, air%part%active, err)
+            call for_each_pick_bytes(air%on_gpu, n, air%part%own, air%part%active, air%active, err)
         end associate
     end subroutine wake_bricks
 end module brz_brick_steps

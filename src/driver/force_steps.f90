@@ -36,7 +36,7 @@ contains
         end associate
     end subroutine forces_on_body
 
-    !> Impulse of the load on all bodies that are awake, over a step.
+    !> Impulse of the load on all bodies that are active, over a step.
     subroutine record_impulse(solid, dt, err)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
@@ -46,7 +46,7 @@ contains
 
         if (.not. solid%impulses) return
         do b = 1, size(solid%bodies)
-            if (solid%bodies(b)%asleep) cycle
+            if (solid%bodies(b)%inactive) cycle
             call forces_on_body(solid, b, [0.0_dp, 0.0_dp, 0.0_dp], sums, err)
             solid%bodies(b)%impulse = solid%bodies(b)%impulse + dt*sums(7:9)
         end do

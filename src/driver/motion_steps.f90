@@ -37,7 +37,7 @@ contains
         end if
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b), there => solid%bodies(b))
-                if (body%asleep) cycle
+                if (body%inactive) cycle
                 n = there%last - there%first + 1
                 unit = level_unit(solid)
                 if (body%formulation == form_rigid) then

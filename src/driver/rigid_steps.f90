@@ -39,7 +39,7 @@ contains
 
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b), there => solid%bodies(b))
-                if (body%asleep) cycle
+                if (body%inactive) cycle
                 was = body%account
                 reaction = body%reaction
                 if (body%motion%n > 0) then
@@ -110,7 +110,7 @@ contains
         lay = layout_of_pushes(solid)
         do b = 1, merge(size(solid%bodies), 0, solid%links%present)
             associate (body => solid%bodies(b), there => solid%bodies(b), l => solid%links)
-                if (body%formulation /= form_rigid .or. body%asleep .and. dt > 0) cycle
+                if (body%formulation /= form_rigid .or. body%inactive .and. dt > 0) cycle
                 call for_each_sum_pairs(solid%on_gpu, there%last - there%first + 1, solid%ranks, there%first, &
                     solid%wide, lay, resting_pose(body%rigid), l%row, solid%id, nodes_of(solid), &
                     glue_of(solid), solid%x, l%push(:, 1:), push(:, b), err)
@@ -130,7 +130,7 @@ contains
         lay = layout_of_pushes(solid)
         do b = 1, merge(size(solid%bodies), 0, solid%links%present .and. dt > 0)
             associate (body => solid%bodies(b), there => solid%bodies(b), l => solid%links)
-                if (body%formulation /= form_rigid .or. body%asleep) cycle
+                if (body%formulation /= form_rigid .or. body%inactive) cycle
                 turn = body%rigid%omega - body%rigid%spin
                 call for_each_settle_heat(solid%on_gpu, there%last - there%first + 1, there%first, lay, &
                     solid%stride_d, solid%stride_p, dt, turn(1), turn(2), turn(3), l%row, &
@@ -152,9 +152,9 @@ contains
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
                 ! a rigid body that sleeps may be met in the next step: its limit holds on
-                if (body%asleep .and. body%formulation == form_rigid) &
+                if (body%inactive .and. body%formulation == form_rigid) &
                     solid%dt_limit = min(solid%dt_limit, body%dt_limit)
-                if (body%asleep .and. dt > 0) cycle
+                if (body%inactive .and. dt > 0) cycle
                 if (body%formulation == form_rigid) call balance_body(solid, b, push(:, b), dt, err)
                 if (dt > 0 .and. body%motion%n > 0) call balance_drive(solid, b, dt, err)
                 if (dt > 0 .and. allocated(body%regions)) call balance_regions(solid, b, dt, err)

@@ -7,7 +7,7 @@ module brz_solid_backend
     use brz_gpu_solid_diagnostics, only: gpu_add_held_impulse => add_held_impulse, fetch_limit, &
         note_boxes, sum_states
     use brz_gpu_solid_contact, only: gpu_break_bonds => break_bonds, &
-        gpu_contact_pass => contact_pass, gpu_find_press => find_press, note_awake
+        gpu_contact_pass => contact_pass, gpu_find_press => find_press, note_active
     use brz_gpu_solid_copy, only: fetch_faults
     use brz_gpu_solid_forces, only: gpu_force_pass => force_pass
     use brz_gpu_solid_ghosts, only: offer_motion, gpu_refresh_bonds => refresh_bonds, &
@@ -42,7 +42,7 @@ module brz_solid_backend
     public :: build_list, choose_lists, mean_velocity, note_positions, renew_places, sort_body
     public :: build_links, settle_links
     ! what only a GPU needs
-    public :: fetch_faults, fetch_limit, note_awake, note_boxes, offer_motion, refresh_kept, &
+    public :: fetch_faults, fetch_limit, note_active, note_boxes, offer_motion, refresh_kept, &
         renew_sleepers, sum_states
     public :: exchange_motion
 

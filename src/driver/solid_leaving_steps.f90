@@ -31,7 +31,7 @@ contains
         if (solid%links%present) call find_press(solid, err)
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b), there => solid%bodies(b), l => solid%links)
-                if (body%asleep .or. any(body%formulation == [form_rigid, form_total])) cycle
+                if (body%inactive .or. any(body%formulation == [form_rigid, form_total])) cycle
                 n = there%last - there%first + 1
                 call for_each_leave_region(solid%on_gpu, n, there%first, solid%wide, solid%region, solid%x, &
                     solid%x_ref, solid%fixed, err)

@@ -13,7 +13,7 @@ module brz_solid_steps
     use brz_ranks, only: most_of_all
     use brz_rigid_steps, only: balance_rigid, move_rigid, settle_drag, sum_pushes
     use brz_solid_backend, only: break_bonds, contact_pass, end_support, exchange_motion, &
-        fetch_faults, fetch_limit, force_pass, gradient_pass, note_awake, offer_motion, &
+        fetch_faults, fetch_limit, force_pass, gradient_pass, note_active, offer_motion, &
         refresh_bonds, refresh_rows
     use brz_solid_bonds, only: push_rigid_bonds
     use brz_solid_faults, only: agree_on_step, report_bad, report_lost
@@ -58,7 +58,7 @@ contains
             call build_neighbours(solid, .true., err, stale)
             if (any(stale)) solid%rebuilds = solid%rebuilds + 1
             call wake_met(solid)
-            if (solid%on_gpu) call note_awake(solid%device, solid%bodies%asleep, err)
+            if (solid%on_gpu) call note_active(solid%device, solid%bodies%inactive, err)
             call end_support(solid, stale, err)
             call enter_part('bodies', go_on=.true.)
         else
@@ -74,10 +74,10 @@ contains
 
         associate (gpu => solid%device)
             if (.not. gpu%stepped) then ! of bodies that sleep, too
-                call note_awake(gpu, gpu%bodies%asleep, err)
+                call note_active(gpu, gpu%bodies%inactive, err)
                 call gradient_pass(solid, 0.0_dp, err)
             end if
-            call note_awake(gpu, solid%bodies%asleep, err)
+            call note_active(gpu, solid%bodies%inactive, err)
             gpu%fetched = .false.
             gpu%stepped = .true.
             gpu%summed = .false.

@@ -45,7 +45,7 @@ contains
         if (air%n(1) > 1) then
             threads = [(air%n(1)/faces_of_a_thread + 1)*air%n(2), air%n(3), 1]
             call launch_faces(gpu%faces, threads, gpu%grid, air%scheme, gpu%u, &
-                              gpu%bricks%awake, gpu%flux, gpu%edge, err)
+                              gpu%bricks%active, gpu%flux, gpu%edge, err)
         end if
         if (gpu%grid%last == 1) call air_kernels%air_update_line(air%n, gpu%grid, stage, gpu%u, &
             gpu%start, gpu%new, gpu%flux, gpu%walls%near, gpu%bad, gpu%found, err)
@@ -55,7 +55,7 @@ contains
             kernel = gpu%march
             if (d == gpu%grid%last) kernel = gpu%last
             call launch_march(kernel, threads, d, gpu%grid, air%scheme, stage, gpu%u, gpu%start, &
-                              gpu%new, gpu%flux, gpu%walls%near, gpu%bricks%awake, gpu%bad, &
+                              gpu%new, gpu%flux, gpu%walls%near, gpu%bricks%active, gpu%bad, &
                               gpu%found, gpu%edge, err)
         end do
         if (gpu%n_near > 0) call redo_cells(gpu, air, stage, gpu%n_near, 0, to_redo, err)

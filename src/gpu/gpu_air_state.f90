@@ -104,11 +104,11 @@ contains
             call attach(air%leaving, gpu%leaving)
             call attach(air%bad, gpu%bad)
             call attach(air%reached, gpu%bricks%reached)
-            call attach(air%awake, gpu%bricks%awake)
+            call attach(air%active, gpu%bricks%active)
             call attach(air%brick_sum, gpu%part)
             if (.not. several(air%part%ranks)) return
             call attach(air%part%reached, gpu%bricks%near_reached)
-            call attach(air%part%awake, gpu%bricks%near_awake)
+            call attach(air%part%active, gpu%bricks%near_active)
             call attach_bytes(air%part%own, 8*size(air%part%own, kind=int64), gpu%bricks%own)
         end associate
     end subroutine attach_air
@@ -150,21 +150,21 @@ contains
         end do
     end function has_wall_ends
 
-    !> All bricks are awake at first.
+    !> All bricks are active at first.
     subroutine open_bricks(air, gpu, err)
         type(air_t), intent(in) :: air
         type(air_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
-        integer(int8) :: awake(size(air%reached))
+        integer(int8) :: active(size(air%reached))
 
-        awake = 1
-        call put_buffer(air%reached, gpu%bricks%reached, size(awake, kind=int64), err)
-        call put_buffer(awake, gpu%bricks%awake, size(awake, kind=int64), err)
+        active = 1
+        call put_buffer(air%reached, gpu%bricks%reached, size(active, kind=int64), err)
+        call put_buffer(active, gpu%bricks%active, size(active, kind=int64), err)
         if (.not. several(air%part%ranks)) return
         associate (map => air%part%bricks, bricks => gpu%bricks)
             call allocate_buffer(bricks%near_reached, size(air%part%reached, kind=int64), err)
-            call allocate_buffer(bricks%near_awake, size(air%part%reached, kind=int64), err)
-            call put_buffer(air%part%own, bricks%own, 8*size(awake, kind=int64), err)
+            call allocate_buffer(bricks%near_active, size(air%part%reached, kind=int64), err)
+            call put_buffer(air%part%own, bricks%own, 8*size(active, kind=int64), err)
             call bricks%others%open(air%part%ranks, map, map%whole, 0, err)
         end associate
     end subroutine open_bricks

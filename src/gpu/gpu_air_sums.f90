@@ -31,7 +31,7 @@ contains
 
         columns = (air%n(3) - 1)/column + 1
         call air_kernels%air_speed([air%n(1:2), columns], gpu%grid, air%scheme, gpu%u, &
-                                   gpu%walls%solid, gpu%bricks%awake, gpu%part, err)
+                                   gpu%walls%solid, gpu%bricks%active, gpu%part, err)
         least = cfl/gpu%common%largest(gpu%part, air%n(1)*air%n(2)*columns, err)
         if (present(fastest)) least = min(least, cfl/max(fastest, tiny(dt)))
         call reduce_errors(air%part%ranks, err, least)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Contact and bonds between bodies on the GPU: launches over the bodies that are awake.
+!> Contact and bonds between bodies on the GPU: launches over the bodies that are active.
 module brz_gpu_solid_contact
     use brz_bond_launches, only: bond_kernels
     use brz_buffers, only: doubles_t, from, integers_t
@@ -19,7 +19,7 @@ module brz_gpu_solid_contact
     use brz_tie_launches, only: tie_kernels
     implicit none
     private
-    public :: note_awake, add_bond_moments, break_bonds, contact_pass, find_press
+    public :: note_active, add_bond_moments, break_bonds, contact_pass, find_press
 
 contains
 
@@ -38,20 +38,20 @@ contains
         end associate
     end subroutine add_bond_moments
 
-    !> Note which bodies sleep, and the ranges of particles of those that are awake; bodies side by
+    !> Note which bodies sleep, and the ranges of particles of those that are active; bodies side by
     !> side go together.
-    subroutine note_awake(gpu, asleep, err)
+    subroutine note_active(gpu, inactive, err)
         type(solid_device_t), intent(inout) :: gpu
-        logical, intent(in) :: asleep(:) !! (bodies)
+        logical, intent(in) :: inactive(:) !! (bodies)
         type(error_t), intent(inout) :: err
         integer :: b, n, range(2, size(gpu%bodies))
 
-        gpu%bodies%asleep = asleep
+        gpu%bodies%inactive = inactive
         if (failed(err) .or. .not. gpu%linked) return
         range = 0
         n = 0
         do b = 1, size(gpu%bodies)
-            if (asleep(b)) cycle
+            if (inactive(b)) cycle
             if (n > 0) then
                 if (range(2, n) == gpu%bodies(b)%first - 1) n = n - 1
             end if
@@ -59,11 +59,11 @@ contains
             if (range(1, n) == 0) range(1, n) = gpu%bodies(b)%first
             range(2, n) = gpu%bodies(b)%last
         end do
-        if (any(range /= gpu%links%awake)) gpu%links%listed = .false.
-        gpu%links%awake = range
-    end subroutine note_awake
+        if (any(range /= gpu%links%active)) gpu%links%listed = .false.
+        gpu%links%active = range
+    end subroutine note_active
 
-    !> List the particles of awake bodies that may touch others, and those that may be bonded to
+    !> List the particles of active bodies that may touch others, and those that may be bonded to
     !> others, so that no thread waits for those beside it; unless they are those of the last step.
     subroutine list_linked(gpu, err)
         type(solid_device_t), intent(inout) :: gpu
@@ -73,16 +73,16 @@ contains
         associate (l => gpu%links)
             if (l%listed) return
             l%listed = .true.
-            associate (awake => l%awake(:, :count(l%awake(1, :) > 0)))
-                call list_marked(gpu, links_that_touch(gpu), awake, l%touching, l%n_touching, err)
+            associate (active => l%active(:, :count(l%active(1, :) > 0)))
+                call list_marked(gpu, links_that_touch(gpu), active, l%touching, l%n_touching, err)
                 if (.not. gpu%bonded) return
                 call reserve_buffer(l%mark, 4_int64*gpu%n, err)
                 call clear_buffer(l%mark, err)
-                do k = 1, size(awake, 2)
-                    call tie_kernels%mark_linked(awake(2, k) - awake(1, k) + 1, awake(1, k), &
+                do k = 1, size(active, 2)
+                    call tie_kernels%mark_linked(active(2, k) - active(1, k) + 1, active(1, k), &
                         l%lay, l%ends, l%table, l%row, l%slice, l%count, l%list, l%mark, err)
                 end do
-                call list_marked(gpu, l%mark, awake, l%linked, l%n_linked, err)
+                call list_marked(gpu, l%mark, active, l%linked, l%n_linked, err)
             end associate
         end associate
     end subroutine list_linked
@@ -125,8 +125,8 @@ contains
 
         if (.not. (gpu%linked .and. solid%links%bonds .and. gpu%links%breaks)) return
         associate (l => gpu%links)
-            do k = 1, count(l%awake(1, :) > 0)
-                call bond_kernels%break_bond(l%awake(2, k) - l%awake(1, k) + 1, l%awake(1, k), &
+            do k = 1, count(l%active(1, :) > 0)
+                call bond_kernels%break_bond(l%active(2, k) - l%active(1, k) + 1, l%active(1, k), &
                     l%lay, l%ends, l%table, gpu%x, gpu%v, gpu%pair, gpu%stress, l%row, l%slice, &
                     l%count, l%list, l%bond, err)
             end do
@@ -147,9 +147,9 @@ contains
             call press(gpu, real(dt, rk), err)
             call refresh_press(gpu, err)
             call clear_buffer(gpu%extra, err)
-            do k = 1, count(l%awake(1, :) > 0)
-                call forget(diag_of(gpu, diag_contact), l%awake(:, k), err)
-                call forget(diag_of(gpu, diag_contact_early), l%awake(:, k), err)
+            do k = 1, count(l%active(1, :) > 0)
+                call forget(diag_of(gpu, diag_contact), l%active(:, k), err)
+                call forget(diag_of(gpu, diag_contact_early), l%active(:, k), err)
             end do
             call contact_kernels%push_links(l%n_touching, l%touching, gpu%stride_d, l%lay, dt, &
                 l%ends, l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, gpu%stress, gpu%pair, &

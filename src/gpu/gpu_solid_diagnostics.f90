@@ -102,8 +102,8 @@ contains
             if (.not. gpu%bodies(b)%rigid) account%load = before%load + diag(diag_load)
             account%ahead = diag(diag_ahead)
             account%early = 0
-            if (.not. solid%bodies(b)%asleep) account%early = diag(diag_early)
-            if (gpu%linked .and. .not. solid%bodies(b)%asleep) &
+            if (.not. solid%bodies(b)%inactive) account%early = diag(diag_early)
+            if (gpu%linked .and. .not. solid%bodies(b)%inactive) &
                 account%early = account%early + diag(diag_contact_early)
             if (gpu%linked) account%contact = diag(diag_contact)
             account%contact_heat = before%contact_heat + diag(diag_contact_heat)

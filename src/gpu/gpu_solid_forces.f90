@@ -26,7 +26,7 @@ contains
         load = gpu%column%load
         if (solid%steps == 0) load = 0 ! all of it acts after the half step up to here
         do b = 1, size(gpu%bodies)
-            if (gpu%bodies(b)%rigid .or. gpu%bodies(b)%asleep) cycle
+            if (gpu%bodies(b)%rigid .or. gpu%bodies(b)%inactive) cycle
             call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
             associate (body => gpu%bodies(b))
                 call launch_solid_forces(body%forces, threads_of(body), gpu%stride_d, &

@@ -7,7 +7,7 @@ module brz_gpu_solid_gradients
     use brz_gpu_solid_contact, only: add_bond_moments
     use brz_gpu_solid_state, only: tags_of, threads_of, words_of_real
     use brz_solid_device, only: body_device_t, solid_device_t
-    use brz_gpu_solid_layout, only: tag_limp
+    use brz_gpu_solid_layout, only: tag_unsupported
     use brz_kinds, only: dp, int64, rk
     use brz_motion_launches, only: motion_kernels
     use brz_rigid_pose, only: resting_pose
@@ -22,7 +22,7 @@ module brz_gpu_solid_gradients
 contains
 
     !> Pass 1, and the material over the step just made; with dt = 0 no material, and nothing loses
-    !> its support: the host has found what has none at the start. Of bodies that are awake, or of
+    !> its support: the host has found what has none at the start. Of bodies that are active, or of
     !> the others.
     subroutine gradient_pass(gpu, solid, dt, err, of_sleepers)
         type(solid_device_t), intent(inout) :: gpu
@@ -33,18 +33,18 @@ contains
         integer :: b
 
         if (.not. dt > 0) &
-            call copy_within(tags_of(gpu, tag_limp), gpu%picked, 4_int64*gpu%n, err)
+            call copy_within(tags_of(gpu, tag_unsupported), gpu%picked, 4_int64*gpu%n, err)
         call pack_places(gpu, err)
         do b = 1, size(gpu%bodies)
             if (gpu%bodies(b)%rigid) cycle
-            if (gpu%bodies(b)%asleep .neqv. present(of_sleepers)) cycle
+            if (gpu%bodies(b)%inactive .neqv. present(of_sleepers)) cycle
             call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
             call sum_moments(gpu, gpu%bodies(b), err)
         end do
         call side_by_side(0)
         call add_bond_moments(gpu, err)
         do b = 1, size(gpu%bodies)
-            if (gpu%bodies(b)%asleep .neqv. present(of_sleepers)) cycle
+            if (gpu%bodies(b)%inactive .neqv. present(of_sleepers)) cycle
             if (gpu%bodies(b)%rigid) then
                 call side_by_side(0)
                 call fill_rigid(gpu, solid, b, err)
@@ -62,7 +62,7 @@ contains
         end do
         call side_by_side(0)
         if (.not. dt > 0) &
-            call copy_within(gpu%picked, tags_of(gpu, tag_limp), 4_int64*gpu%n, err)
+            call copy_within(gpu%picked, tags_of(gpu, tag_unsupported), 4_int64*gpu%n, err)
     end subroutine gradient_pass
 
     !> What contact gathers of the particles of body b.
@@ -191,8 +191,8 @@ contains
 
         call row_kernels%move_face(body%last - body%gone - body%first + 1, &
             body%first, gpu%stride_d, 4, merge(1, 0, body%total), merge(1, 0, body%tilted), dt, &
-            body%density, body%reach, gpu%links%count, tags_of(gpu, tag_limp), gpu%row, gpu%grad, &
-            gpu%mu, gpu%volume, gpu%mass, gpu%links%face, gpu%links%press, err)
+            body%density, body%reach, gpu%links%count, tags_of(gpu, tag_unsupported), gpu%row, &
+            gpu%grad, gpu%mu, gpu%volume, gpu%mass, gpu%links%face, gpu%links%press, err)
     end subroutine move_faces
 
     subroutine fill_rows(gpu, body, dt, err)

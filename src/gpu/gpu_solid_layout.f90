@@ -21,13 +21,13 @@ module brz_gpu_solid_layout
     use brz_link_layout, only: mask_unit, slice_width
     use brz_row_items, only: row_rules_t
     use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
-        at_stress, at_wave, n_linked_tag, n_tag, tag_bond, tag_face, tag_limp, tag_fault, &
+        at_stress, at_wave, n_linked_tag, n_tag, tag_bond, tag_face, tag_unsupported, tag_fault, &
         tag_fixed, tag_id, tag_joined, tag_ply, tag_support, tag_touch, tag_weight
     implicit none
     private
     public :: body_gpu_t, grid_gpu_t
     public :: at_mu, at_energy, at_stress, at_damage, at_wave, at_bulk, at_mass, at_accel, at_hist
-    public :: tag_id, tag_ply, tag_support, tag_fixed, tag_limp, tag_fault, &
+    public :: tag_id, tag_ply, tag_support, tag_fixed, tag_unsupported, tag_fault, &
               tag_bond, tag_joined, tag_touch, tag_weight, tag_face, n_tag, n_linked_tag
     public :: diag_viscous, diag_friction, diag_stiff, diag_ahead, diag_plastic, diag_damage, &
               diag_clamped, &

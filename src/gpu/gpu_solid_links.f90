@@ -45,7 +45,7 @@ contains
             call allocate_buffer(links%found, 4_int64, err)
             call allocate_buffer(links%met, 4_int64*size(solid%bodies)**2, err)
             call allocate_buffer(links%box, 48_int64*size(solid%bodies), err)
-            allocate (links%awake(2, size(solid%bodies)), source=0)
+            allocate (links%active(2, size(solid%bodies)), source=0)
             associate (t => solid%links%table)
                 links%breaks = any(t%law == law_bonded .and. &
                                    min(t%tensile, t%shear) < huge(t%shear))

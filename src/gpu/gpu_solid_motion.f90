@@ -42,7 +42,7 @@ contains
 
         do b = 1, size(gpu%bodies)
             associate (body => solid%bodies(b), there => gpu%bodies(b))
-                if (there%asleep .or. there%rigid .or. .not. body%variable) cycle
+                if (there%inactive .or. there%rigid .or. .not. body%variable) cycle
                 call motion_kernels%size_particle(there%last - there%first + 1, there%first, &
                     solid%dimension, body%h, body%h_range(1), body%h_range(2), gpu%mu, gpu%x, err)
             end associate

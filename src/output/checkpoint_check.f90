@@ -83,7 +83,7 @@ contains
         call demand(all(solid%mass > 0), 'solid/mass', name)
         call demand(all(within(solid%fixed, is_gone) .or. solid%fixed >= 0 .and. &
                         mod(solid%fixed, 4) == 0), 'solid/fixed', name)
-        call demand(all(within(int(solid%limp), 1)), 'solid/limp', name)
+        call demand(all(within(int(solid%unsupported), 1)), 'solid/limp', name)
         call demand(all(solid%support >= 0), 'solid/support', name)
         if (solid%links%present) &
             call demand(all(within(solid%links%bond, bond_breaks)), 'solid/bond', name)

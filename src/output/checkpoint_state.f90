@@ -163,7 +163,7 @@ contains
         type(energy_account_t), parameter :: empty = energy_account_t()
         integer, parameter :: n = size(transfer(empty, [0.0_dp])) ! all components are real(dp)
         real(dp) :: sums(6 + n, size(solid%bodies)), limit(size(solid%bodies))
-        integer(int8) :: asleep(size(solid%bodies))
+        integer(int8) :: inactive(size(solid%bodies))
         integer :: b
 
         do b = 1, size(solid%bodies)
@@ -171,17 +171,17 @@ contains
             sums(7:, b) = transfer(solid%bodies(b)%account, sums(7:, b))
         end do
         limit = solid%bodies%dt_limit
-        asleep = merge(1_int8, 0_int8, solid%bodies%asleep)
+        inactive = merge(1_int8, 0_int8, solid%bodies%inactive)
         call carry(file, 'solid/body_sums', sums, err)
         call carry(file, 'solid/body_limit', limit, err)
-        call carry(file, 'solid/body_asleep', asleep, err)
+        call carry(file, 'solid/body_asleep', inactive, err)
         do b = 1, size(solid%bodies)
             solid%bodies(b)%reaction = sums(1:3, b)
             solid%bodies(b)%impulse = sums(4:6, b)
             solid%bodies(b)%account = transfer(sums(7:, b), empty)
         end do
         solid%bodies%dt_limit = limit
-        solid%bodies%asleep = asleep == 1
+        solid%bodies%inactive = inactive == 1
         call carry_drifts(file, solid, err)
         call carry_rigid(file, solid, err)
     end subroutine carry_bodies

@@ -142,24 +142,24 @@ contains
         type(method_t), intent(in) :: method
         type(air_t) :: air
         type(wall_t) :: wall
-        real(dp) :: clock, core(2), awake
+        real(dp) :: clock, core(2), active
         integer :: m, s, count_steps
 
         core = 0
-        awake = 0
+        active = 0
         do m = 1, 2
             call make_air(method, 10, air)
             air%activity = m == 2
             do s = 1, 60
-                call time_steps(air, wall, 1, clock, awake)
-                core(m) = core(m) + awake
+                call time_steps(air, wall, 1, clock, active)
+                core(m) = core(m) + active
             end do
         end do
-        awake = 0
-        count_steps = count(air%awake == 1)
-        awake = real(count_steps, dp)/size(air%awake)
+        active = 0
+        count_steps = count(air%active == 1)
+        active = real(count_steps, dp)/size(air%active)
         write (output_unit, '(a, f5.2, a, f5.2, a)') &
-            '     activity: 60 steps of a blast until ', awake, &
+            '     activity: 60 steps of a blast until ', active, &
             ' of the bricks are awake take ', core(2)/core(1), ' of the time'
     end subroutine measure_activity
 end program bench_air

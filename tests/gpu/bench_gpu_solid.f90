@@ -60,7 +60,7 @@ contains
             what(:index(what, '/'))//" &body id='b', shape='box', spacing=1e-3, "// &
             "material='m', spin=10,20,30, box=0,", side, ',0,', side, ',0,', side, ', smoothing=', &
             argument(2, 1.2_dp), trim(what(index(what, '/') + 1:)), ' /'
-        call make_solid(trim(text), solid, asleep=.true.)
+        call make_solid(trim(text), solid, inactive=.true.)
         call move_solid_to_gpu(device, solid, .false., err)
         call check()
         write (output_unit, '(3a, i0, a, i0, 2a)') trim(what(index(what, '/') + 3:)), ', ', &

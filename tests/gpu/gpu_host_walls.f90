@@ -55,15 +55,15 @@ contains
         type(air_t), intent(in) :: air
         integer, intent(in) :: changed(:, :) !! (3, n)
         type(error_t), intent(inout) :: err
-        integer(int8) :: awake(size(air%reached, 1), size(air%reached, 2), size(air%reached, 3))
+        integer(int8) :: active(size(air%reached, 1), size(air%reached, 2), size(air%reached, 3))
         integer :: c, b(3)
 
         call copy_in(air%u, gpu%u, size(air%u, kind=int64)*bytes_of_real, err)
-        call copy_out(gpu%bricks%awake, awake, size(awake, kind=int64), err)
+        call copy_out(gpu%bricks%active, active, size(active, kind=int64), err)
         do c = 1, size(changed, 2)
             b = (changed(:, c) - 1)/brick + 1
-            awake(b(1), b(2), b(3)) = 1
+            active(b(1), b(2), b(3)) = 1
         end do
-        call copy_in(awake, gpu%bricks%awake, size(awake, kind=int64), err)
+        call copy_in(active, gpu%bricks%active, size(active, kind=int64), err)
     end subroutine return_cells
 end module gpu_host_walls

@@ -27,11 +27,11 @@ module gpu_scenes
 contains
 
     !> The solids of a deck at their start. Groups end with ' /'; &run may be left out.
-    subroutine make_solid(text, solid, speed, asleep)
+    subroutine make_solid(text, solid, speed, inactive)
         character(*), intent(in) :: text
         type(solid_t), intent(out) :: solid
         real(rk), intent(in), optional :: speed !! of a random velocity for every particle [m/s]
-        logical, intent(in), optional :: asleep !! leave out what a large scene takes long for
+        logical, intent(in), optional :: inactive !! leave out what a large scene takes long for
         character(:), allocatable :: path
         type(key_t), allocatable :: keys(:)
         type(deck_t) :: deck
@@ -54,7 +54,7 @@ contains
         call build_case(deck, keys, case, err)
         if (.not. failed(err)) call set_up_solid(case, solid, err)
         if (.not. failed(err) .and. present(speed)) call stir(solid, speed)
-        if (present(asleep)) then
+        if (present(inactive)) then
             solid%x_built = solid%x
             solid%volume = solid%mass/solid%materials(1)%density
         else if (.not. failed(err)) then

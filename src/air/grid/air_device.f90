@@ -27,9 +27,9 @@ module brz_air_device
 
     !> Which bricks of the air something has reached, and which are computed, as air_t has them.
     type :: brick_device_t
-        type(bytes_t) :: reached, awake !! one byte for each brick
+        type(bytes_t) :: reached, active !! one byte for each brick
         ! on several processes, with the bricks of others that are near
-        type(bytes_t) :: near_reached, near_awake
+        type(bytes_t) :: near_reached, near_active
         type(buffer_t) :: own !! (bricks) place of each of this process there
         type(gpu_fetch_t) :: others
     end type brick_device_t

@@ -14,7 +14,7 @@ module brz_air_grid
 
     integer, parameter :: rate_none = 0, rate_in_flux = 1, rate_in_new = 2
     !! where the rates of the directions before one are: nowhere, the x fluxes, the next state
-    integer, parameter :: brick = 8 !! cells per side of a brick, which is awake or not as a whole
+    integer, parameter :: brick = 8 !! cells per side of a brick, which is active or not as a whole
     integer, parameter :: column = 8*brick !! cells along z that a thread of a GPU looks through
     integer, parameter :: longest = 8 !! bricks along a line for one thread
     integer, parameter :: faces_of_a_thread = 2 !! of direction x, side by side

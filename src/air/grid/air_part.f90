@@ -23,7 +23,7 @@ module brz_air_part
         type(fetch_t) :: bricks !! the bricks as near as a step reaches
         type(fetch_t) :: coupling_halo !! the cells as far as the coupling looks, where there are
                                        !! bodies
-        integer(int8), allocatable :: reached(:, :, :), awake(:, :, :)
+        integer(int8), allocatable :: reached(:, :, :), active(:, :, :)
         !! the maps of bricks, with those of others that are near
         integer(int64), allocatable :: own(:) !! place of each brick of this process there
         real(rk), allocatable :: seen(:, :, :)
@@ -62,7 +62,7 @@ contains
         call plan(bricks, all_bricks, near, 1, part%bricks)
         if (around > 0) call plan(part%boxes, n, merge(around, 0, n > 1), n_var, part%coupling_halo)
         call make_map(part%bricks%whole, part%reached)
-        call make_map(part%bricks%whole, part%awake)
+        call make_map(part%bricks%whole, part%active)
         part%own = places_in(part%bricks%whole, bricks(part%ranks%rank))
 
     contains

@@ -87,7 +87,7 @@ module brz_air_state
         integer :: bad_cell(3) = 0 !! first unphysical cell of the grid in a step that failed
         real(rk) :: bad_state(5) = 0 !! what its conserved variables would have become
         integer(int8), allocatable :: reached(:, :, :) !! (bricks) 1: something has reached it
-        integer(int8), allocatable :: awake(:, :, :)
+        integer(int8), allocatable :: active(:, :, :)
         !! (bricks) 1: it is computed; who changes u between two steps far from all solid sets all
         !! to 1, for air_time_step
         ! work arrays of the sweeps; nothing outside a step reads them

@@ -6,7 +6,7 @@
 !> velocity below the rounding error of the sound speed. It is put to rest wholly, or else every
 !> step would carry ever smaller numbers a few cells further. Any other brick, or one that holds
 !> solid, is reached, and stays so. Bricks so near that a step can carry something from a reached
-!> one into them are awake too. The rates of all other cells are zero to the bit, so leaving them
+!> one into them are active too. The rates of all other cells are zero to the bit, so leaving them
 !> out changes nothing.
 module brz_brick_items
     use brz_air_grid, only: brick, grid_t, place_of, rest_t
@@ -19,22 +19,22 @@ module brz_brick_items
 
 contains
 
-    !> Mark an awake brick as reached if a row of its cells is not at rest. Whoever marks a brick
+    !> Mark an active brick as reached if a row of its cells is not at rest. Whoever marks a brick
     !> writes the same number.
     !@item if(n > 40000) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine look_at_row(t, grid, rest, u, awake, reached)
+    pure subroutine look_at_row(t, grid, rest, u, active, reached)
         integer, intent(in) :: t !! rows of bricks
         type(grid_t), intent(in) :: grid
         type(rest_t), intent(in) :: rest
         real(rk), intent(in) :: u(*)
-        integer(int8), intent(in) :: awake(*)
+        integer(int8), intent(in) :: active(*)
         integer(int8), intent(inout) :: reached(*)
         integer(int64) :: at, first
         integer :: c, cells
         logical :: moved
 
-        call find_row(t, grid, awake, reached, first, cells)
+        call find_row(t, grid, active, reached, first, cells)
         moved = .false.
         do c = 1, grid%n_var
             do at = first + (c - 1)*grid%apart, first + (c - 1)*grid%apart + cells - 1
@@ -48,18 +48,18 @@ contains
         if (moved) reached((t - 1)/rows_of_brick + 1) = 1_int8
     end subroutine look_at_row
 
-    !> Put a row of an awake brick that nothing has reached to rest.
+    !> Put a row of an active brick that nothing has reached to rest.
     !@item if(n > 40000) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine settle_row(t, grid, awake, reached, u)
+    pure subroutine settle_row(t, grid, active, reached, u)
         integer, intent(in) :: t !! rows of bricks
         type(grid_t), intent(in) :: grid
-        integer(int8), intent(in) :: awake(*), reached(*)
+        integer(int8), intent(in) :: active(*), reached(*)
         real(rk), intent(inout) :: u(*)
         integer(int64) :: at, first
         integer :: c, cells
 
-        call find_row(t, grid, awake, reached, first, cells)
+        call find_row(t, grid, active, reached, first, cells)
         do c = 1, 3
             do at = first + c*grid%apart, first + c*grid%apart + cells - 1
                 if (abs(u(at)) > 0) u(at) = 0
@@ -70,10 +70,10 @@ contains
     !> Place of the first cell of a row, and how many cells it has; none where nothing is to be
     !> asked: what sleeps is at rest, what was reached stays so.
     !@cuf attributes(host,device) &
-    pure subroutine find_row(t, grid, awake, reached, first, cells)
+    pure subroutine find_row(t, grid, active, reached, first, cells)
         integer, intent(in) :: t !! row
         type(grid_t), intent(in) :: grid
-        integer(int8), intent(in) :: awake(*), reached(*)
+        integer(int8), intent(in) :: active(*), reached(*)
         integer(int64), intent(out) :: first
         integer, intent(out) :: cells
         integer :: b, i, j, k
@@ -81,7 +81,7 @@ contains
         first = 0
         cells = 0
         b = (t - 1)/rows_of_brick + 1
-        if (awake(b) == 0 .or. reached(b) /= 0) return
+        if (active(b) == 0 .or. reached(b) /= 0) return
         i = mod(b - 1, grid%bricks(1))*brick + 1
         j = mod((b - 1)/grid%brick_step(2), grid%bricks(2))*brick + 1 + mod(t - 1, brick)
         k = (b - 1)/grid%brick_step(3)*brick + 1 + mod((t - 1)/brick, brick)
@@ -90,22 +90,22 @@ contains
         cells = min(brick, grid%n(1) - i + 1)
     end subroutine find_row
 
-    !> Awake are the reached bricks and those as near as a step reaches, across periodic boundaries
+    !> Active are the reached bricks and those as near as a step reaches, across periodic boundaries
     !> too.
     !@item if(n > 2000) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine wake_near(b, grid, layers_x, layers_y, layers_z, reached, awake)
+    pure subroutine wake_near(b, grid, layers_x, layers_y, layers_z, reached, active)
         integer, intent(in) :: b !! bricks
         type(grid_t), intent(in) :: grid
         integer, intent(in) :: layers_x, layers_y, layers_z !! bricks on each side
         integer(int8), intent(in) :: reached(*)
-        integer(int8), intent(inout) :: awake(*)
+        integer(int8), intent(inout) :: active(*)
         integer :: at, i, j, k, x, y, z
 
         i = mod(b - 1, grid%bricks(1)) + 1
         j = mod((b - 1)/grid%brick_step(2), grid%bricks(2)) + 1
         k = (b - 1)/grid%brick_step(3) + 1
-        awake(b) = 1
+        active(b) = 1
         do z = k - layers_z, k + layers_z
             do y = j - layers_y, j + layers_y
                 do x = i - layers_x, i + layers_x
@@ -115,7 +115,7 @@ contains
                 end do
             end do
         end do
-        awake(b) = 0
+        active(b) = 0
     end subroutine wake_near
 
     !> Place of a brick in the map, 0 beyond a boundary that is not periodic.

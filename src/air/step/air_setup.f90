@@ -199,7 +199,7 @@ contains
         allocate (air%edge(sum(product(n)/n, n > 1), air%n_var, 2), source=0.0_rk)
         g = (n + brick - 1)/brick
         allocate (air%reached(g(1), g(2), g(3)), source=0_int8)
-        allocate (air%awake(g(1), g(2), g(3)), source=1_int8)
+        allocate (air%active(g(1), g(2), g(3)), source=1_int8)
         allocate (air%brick_sum(0:air%n_var, product(g)), source=0.0_dp)
         allocate (air%leaving(faces_of_bricks(n, g), air%n_var, 2), source=0.0_dp)
     end subroutine make_grid

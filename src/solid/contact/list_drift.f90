@@ -50,7 +50,7 @@ contains
 
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
-                if (.not. body%asleep) body%drift = body%drift + dt*body%drift_velocity
+                if (.not. body%inactive) body%drift = body%drift + dt*body%drift_velocity
             end associate
         end do
     end subroutine drift_bodies
@@ -93,8 +93,8 @@ contains
         real(dp) :: moved
 
         moved = 0
-        if (.not. solid%bodies(a)%asleep) moved = (level(a) + 1)*level_unit(solid)
-        if (.not. solid%bodies(b)%asleep) moved = moved + (level(b) + 1)*level_unit(solid)
+        if (.not. solid%bodies(a)%inactive) moved = (level(a) + 1)*level_unit(solid)
+        if (.not. solid%bodies(b)%inactive) moved = moved + (level(b) + 1)*level_unit(solid)
         lasts = moved + beyond(solid, a, b) <= solid%skin*(1 + epsilon(moved))
     end function lasts
 

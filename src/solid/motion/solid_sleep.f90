@@ -1,14 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> Inactive bodies, which sleep: unloaded and at rest they are left out of the steps, and nothing
-!> else changes by a bit. A body wakes for good when a load reaches it or a body that is awake comes
-!> within reach. In a scene without air all bodies sleep until the first of its loads begins.
+!> else changes by a bit. A body wakes for good when a load reaches it or a body that is active
+!> comes within reach. In a scene without air all bodies sleep until the first of its loads begins.
 module brz_solid_sleep
     use brz_kinds, only: int64, rk
     use brz_ranks, only: most_of_all
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: put_to_sleep, sleep_until_loaded, wake_met, particles_awake
+    public :: put_to_sleep, sleep_until_loaded, wake_met, particles_active
 
     real(rk), parameter :: rounding = 1e3_rk*epsilon(1.0_rk) !! strain of bodies without stress
 
@@ -30,7 +30,7 @@ contains
             if (allocated(solid%bodies(b)%regions)) moves(b) = 1
         end do
         call most_of_all(solid%ranks, moves)
-        solid%bodies%asleep = solid%bodies%motion%n == 0 .and. moves == 0
+        solid%bodies%inactive = solid%bodies%motion%n == 0 .and. moves == 0
         call wake_met(solid)
     end subroutine put_to_sleep
 
@@ -53,38 +53,39 @@ contains
             end associate
         end do
         call most_of_all(solid%ranks, pushed)
-        if (particles_awake(solid) > 0 .or. pushed(1) > 0) solid%bodies%asleep = .false.
+        if (particles_active(solid) > 0 .or. pushed(1) > 0) solid%bodies%inactive = .false.
     end subroutine sleep_until_loaded
 
-    !> Wake the bodies that have links with one that is awake, and those that these have links with.
+    !> Wake the bodies that have links with one that is active, and those that these have links
+    !> with.
     subroutine wake_met(solid)
         type(solid_t), intent(inout) :: solid
         logical :: again
         integer :: b
 
         if (.not. solid%links%present) return
-        again = any(solid%bodies%asleep)
+        again = any(solid%bodies%inactive)
         do while (again)
             again = .false.
             do b = 1, size(solid%bodies)
-                if (.not. solid%bodies(b)%asleep) cycle
-                solid%bodies(b)%asleep = .not. any(solid%links%met(b, :) &
-                                                   .and. .not. solid%bodies%asleep)
-                again = again .or. .not. solid%bodies(b)%asleep
+                if (.not. solid%bodies(b)%inactive) cycle
+                solid%bodies(b)%inactive = .not. any(solid%links%met(b, :) &
+                                                   .and. .not. solid%bodies%inactive)
+                again = again .or. .not. solid%bodies(b)%inactive
             end do
         end do
     end subroutine wake_met
 
     !> Particles that take steps, of all processes.
-    pure integer(int64) function particles_awake(solid) result(n)
+    pure integer(int64) function particles_active(solid) result(n)
         type(solid_t), intent(in) :: solid
         integer :: b
 
         n = 0
         if (.not. solid%present) return
         do b = 1, size(solid%bodies)
-            if (.not. solid%bodies(b)%asleep) &
+            if (.not. solid%bodies(b)%inactive) &
                 n = n + solid%bodies(b)%number(2) - solid%bodies(b)%number(1) + 1
         end do
-    end function particles_awake
+    end function particles_active
 end module brz_solid_sleep

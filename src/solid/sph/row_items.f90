@@ -57,14 +57,15 @@ contains
     !> The row of a particle but for its stress and its tilt, which is there. Where a body has axes,
     !> the affine slots hold dx/dX alone, and stiffen_along must follow.
     !@cuf attributes(host,device) &
-    pure subroutine fill_row(rules, h, a, rho, c_bulk, volume, mass, stress, strength, limp, row)
+    pure subroutine fill_row(rules, h, a, rho, c_bulk, volume, mass, stress, strength, &
+    unsupported, row)
         type(row_rules_t), intent(in) :: rules
         real(rk), intent(in) :: h(3, 3) !! velocity gradient [1/s]
         real(rk), intent(in) :: a(3, 3) !! 'bending': dX/dx; 'total_lagrangian': dx/dX
         real(rk), intent(in) :: rho, c_bulk !! [kg/m3], sound speed in the viscosity [m/s]
         real(rk), intent(in) :: volume, mass !! [m3]; what an artificial stress keeps in its slot
         real(rk), intent(in) :: stress(6), strength !! [Pa]; share that is left
-        integer, intent(inout) :: limp !! 1: no stiff hourglass force any more
+        integer, intent(inout) :: unsupported !! 1: no stiff hourglass force any more
         real(rk), intent(inout) :: row(n_pair)
         real(rk) :: q(3, 3), z
         integer :: c, j
@@ -78,9 +79,9 @@ contains
         call copy_matrix(h, q)
         if (rules%formulation == form_bending .or. rules%formulation == form_total) then
             call copy_matrix(a, q)
-            if (rules%formulation == form_bending) call deformation(a, limp, q)
+            if (rules%formulation == form_bending) call deformation(a, unsupported, q)
             z = rules%stiffness
-            row(pair_keep) = strength*(1 - limp)
+            row(pair_keep) = strength*(1 - unsupported)
             if (rules%directional == 0) then
                 do j = 1, 3
                     do c = 1, 3
@@ -103,9 +104,9 @@ contains
     !> nothing. Debris with a single neighbour at the edge of its support has a dX/dx near zero,
     !> whose inverse, squared, is no number in real32.
     !@cuf attributes(host,device) &
-    pure subroutine deformation(a, limp, q)
+    pure subroutine deformation(a, unsupported, q)
         real(rk), intent(in) :: a(3, 3)
-        integer, intent(inout) :: limp !! 1: not control, or not any more
+        integer, intent(inout) :: unsupported !! 1: not control, or not any more
         real(rk), intent(inout) :: q(3, 3)
         logical :: ok
         integer :: c, j
@@ -116,8 +117,8 @@ contains
                 if (.not. abs(q(c, j)) < most_stretch) ok = .false.
             end do
         end do
-        if (.not. ok) limp = 1
-        if (limp == 0) return
+        if (.not. ok) unsupported = 1
+        if (unsupported == 0) return
         do j = 1, 3
             do c = 1, 3
                 q(c, j) = 0
@@ -151,12 +152,13 @@ contains
     !> The tensile control of a particle whose F is in its slots: nothing where it was not in
     !> tension or has lost its support, where `trace` is 0.
     !@cuf attributes(host,device) &
-    pure subroutine fill_control(tensile_control, stress, mu, q, trace, volume, limp, control)
+    pure subroutine fill_control(tensile_control, stress, mu, q, trace, volume, unsupported, &
+    control)
         real(rk), intent(in) :: tensile_control, stress(6) !! [-], [Pa]
         real(rk), intent(in) :: mu !! compression, 0 of a material of springs
         real(rk), intent(in) :: q, trace !! see deviation of brz_tensile_control
         real(rk), intent(in) :: volume !! [m3]
-        integer, intent(in) :: limp
+        integer, intent(in) :: unsupported
         real(rk), intent(inout) :: control(n_control)
         real(rk) :: k
         integer :: c
@@ -168,7 +170,7 @@ contains
             control(control_affine + c) = k*control(control_affine + c)
         end do
         control(control_energy) = volume*k*q/2
-        control(control_whole) = 1 - limp
+        control(control_whole) = 1 - unsupported
     end subroutine fill_control
 
     !> Take out of the energy what the stress does on the faces of a single layer.
@@ -201,7 +203,7 @@ contains
     !@item
     !@cuf attributes(host,device) &
     pure subroutine move_face(p, first, rows, step_v, total, tilted, dt, density, reach, count, &
-                              limp, row, grad, mu, volume, mass, face, press)
+                              unsupported, row, grad, mu, volume, mass, face, press)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: rows, step_v !! of columns; distance of volumes
@@ -209,7 +211,7 @@ contains
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         real(rk), intent(in) :: density !! unloaded [kg/m3]
         real(rk), intent(in) :: reach !! of the face, see strain_face [m]
-        integer(int32), intent(in) :: count(*), limp(*)
+        integer(int32), intent(in) :: count(*), unsupported(*)
         real(rk), intent(in) :: row(n_pair, *), grad(rows, *), mu(*), volume(*), mass(*)
         real(real32), intent(inout) :: face(rows, *) !! see brz_contact_face
         real(rk), intent(inout) :: press(n_press, *) !! see links_t
@@ -241,7 +243,7 @@ contains
             end do
         end if
         call multiply3(s, b, along)
-        call strain_face(dt, h, normal, along, merge(reach, 0.0_rk, limp(i) == 0), mass(i)/rho, &
-                         face(i, face_strain), face(i, face_past), press(6, i))
+        call strain_face(dt, h, normal, along, merge(reach, 0.0_rk, unsupported(i) == 0), &
+                         mass(i)/rho, face(i, face_strain), face(i, face_past), press(6, i))
     end subroutine move_face
 end module brz_row_items

@@ -40,7 +40,7 @@ module brz_body
         logical :: layer_of_ply = .false. !! `layer_stiffness` along the axes of a ply
         real(rk) :: outward = 0 !! from where its faces see the strain, further out [m]
         real(rk) :: artificial_strength = 0
-        logical :: asleep = .false. !! unloaded and at rest: left out of the steps
+        logical :: inactive = .false. !! unloaded and at rest: left out of the steps
         ! what all of the body has moved since its list was built, see brz_list_drift
         real(dp) :: drift(3) = 0, drift_velocity(3) = 0 !! [m], [m/s]
         type(kept_cells_t) :: cells !! of its list

@@ -4,7 +4,7 @@ module brz_solid_columns
     implicit none
     private
     public :: at_mu, at_energy, at_stress, at_damage, at_wave, at_bulk, at_mass, at_accel, at_hist
-    public :: tag_id, tag_ply, tag_support, tag_fixed, tag_limp, tag_fault, &
+    public :: tag_id, tag_ply, tag_support, tag_fixed, tag_unsupported, tag_fault, &
               tag_bond, tag_joined, tag_touch, tag_weight, tag_face, n_tag, n_linked_tag
 
     ! columns of `state`
@@ -15,7 +15,8 @@ module brz_solid_columns
     integer, parameter :: at_hist = 15 !! + 1..n_hist; then what brz_solid_fields adds
 
     ! columns of `tag`
-    integer, parameter :: tag_id = 1, tag_ply = 2, tag_support = 3, tag_fixed = 4, tag_limp = 5
+    integer, parameter :: tag_id = 1, tag_ply = 2, tag_support = 3, tag_fixed = 4, &
+        tag_unsupported = 5
     integer, parameter :: tag_fault = 6 !! 1: an impossible state was seen here
     integer, parameter :: tag_bond = 7 !! bond_none, ...
     integer, parameter :: tag_joined = 8 !! cohesive interfaces that still hold it, a bit each

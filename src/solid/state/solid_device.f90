@@ -39,7 +39,7 @@ module brz_solid_device
         real(rk) :: reach = 0 !! of faces in contact, see strain_face [m]
         real(rk) :: density = 0 !! unloaded [kg/m3]
         logical :: tilted = .false. !! total-Lagrangian, with gradients by tilted arms
-        logical :: asleep = .false. !! left out of the steps
+        logical :: inactive = .false. !! left out of the steps
         logical :: packed = .false. !! `far` has the reference of its particles
         real(dp) :: box(3, 2) = 0 !! corners of `built` [m]
         type(buffer_t) :: params, material
@@ -64,7 +64,7 @@ module brz_solid_device
         type(doubles_t) :: box !! (3, 2, bodies) corners of `built` [m]
         type(integers_t) :: row !! `count`: not read here
         type(integers_t) :: loose !! `count`, but 0 of particles that are tied for good
-        integer, allocatable :: awake(:, :) !! (2, bodies) ranges of particles, see note_awake
+        integer, allocatable :: active(:, :) !! (2, bodies) ranges of particles, see note_active
         type(integers_t) :: linked, touching !! of these, what may be bonded; may be in contact
         integer :: n_linked = 0, n_touching = 0 !! how many
         logical :: listed = .false. !! they are those of the links and bodies of now

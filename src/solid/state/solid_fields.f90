@@ -11,7 +11,7 @@ module brz_solid_fields
     use brz_pair_layout, only: n_pair
     use brz_resize, only: resize
     use brz_solid_columns, only: at_accel, at_damage, at_energy, at_hist, at_mass, at_mu, &
-        at_stress, tag_bond, tag_limp, tag_fixed, tag_id, tag_joined, tag_ply, tag_support, &
+        at_stress, tag_bond, tag_unsupported, tag_fixed, tag_id, tag_joined, tag_ply, tag_support, &
         tag_face, tag_touch, tag_weight
     use brz_solid_state, only: solid_t
     implicit none
@@ -131,7 +131,7 @@ contains
         call see(t, 'ply', s%ply, .true., in_tag, tag_ply)
         call see(t, 'support', s%support, .true., in_tag, tag_support)
         call see(t, 'fixed', s%fixed, .true., in_tag, tag_fixed)
-        call see(t, 'limp', s%limp, .true., in_tag, tag_limp)
+        call see(t, 'limp', s%unsupported, .true., in_tag, tag_unsupported)
         call see(t, 'touch', s%links%touch, linked, in_tag, tag_touch)
         call see(t, 'contact_weight', s%links%weight, linked, in_tag, tag_weight)
         call see(t, 'bond', s%links%bond, linked, in_tag, tag_bond)

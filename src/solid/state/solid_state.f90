@@ -87,7 +87,7 @@ module brz_solid_state
         integer(int16), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
         integer(int32), allocatable :: fixed(:) !! (n) is_free, is_fixed, is_gone, or marks of
                                                 !! brz_support
-        integer(int8), allocatable :: limp(:) !! (n) 1: hourglass support lost for good
+        integer(int8), allocatable :: unsupported(:) !! (n) 1: hourglass support lost for good
         integer(int16), allocatable :: support(:) !! (n) neighbours in the unloaded body
         integer, allocatable :: block(:, :) !! (3, blocks) body, first and last particle of a block
         character(:), allocatable :: notes !! warnings of the set-up, line by line

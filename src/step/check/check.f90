@@ -77,7 +77,7 @@ contains
             min(dt/time_step_ramp(0, sim%case%air%ramp_steps), sim%case%run%dt_max)
         if (sim%solid%present) exact%dt_solid = solid_time_step(sim%solid)
         if (sim%solid%present .and. .not. sim%air%present) then
-            if (all(sim%solid%bodies%asleep)) exact%quiet = &
+            if (all(sim%solid%bodies%inactive)) exact%quiet = &
                 min(max(first_arrival(sim%solid%loads), 0.0_dp), sim%case%run%t_end)
         end if
         call print_cost(sim%case, exact, sim%solid, gpus, sim%early)

@@ -30,7 +30,7 @@ contains
     subroutine start_solid(solid, err)
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        integer :: limp
+        integer :: unsupported
 
         if (.not. solid%present) return
         if (.not. several(solid%ranks)) call find_skin(solid)
@@ -43,10 +43,10 @@ contains
         call refresh_bonds(solid)
         if (solid%links%present) call find_touch(solid)
         call find_tilts(solid)
-        limp = count(solid%limp /= 0)
+        unsupported = count(solid%unsupported /= 0)
         call gradient_pass(solid, 0.0_dp)
         ! what has lost its support knows it from then on, and forces are those of it
-        if (count(solid%limp /= 0) > limp) call gradient_pass(solid, 0.0_dp)
+        if (count(solid%unsupported /= 0) > unsupported) call gradient_pass(solid, 0.0_dp)
         call find_forces_of(solid, 0.0_dp, err)
     end subroutine start_solid
 

@@ -16,7 +16,7 @@ module brz_time_step
     use brz_kinds, only: dp, int64
     use brz_ranks, only: reduce_errors
     use brz_simulation, only: simulation_t
-    use brz_solid_sleep, only: particles_awake
+    use brz_solid_sleep, only: particles_active
     use brz_solid_start, only: solid_time_step
     use brz_text, only: to_text
     use brz_timer, only: lap, wall_seconds
@@ -93,10 +93,10 @@ contains
 
         waits = .false.
         if (sim%air%present .or. .not. sim%solid%present) return
-        if (particles_awake(sim%solid) > 0) return
+        if (particles_active(sim%solid) > 0) return
         until = min(first_arrival(sim%solid%loads), sim%case%run%t_end)
         waits = until > sim%clock%time
-        sim%solid%bodies%asleep = waits
+        sim%solid%bodies%inactive = waits
         if (.not. waits) return
         until = min(until, next_due(sim%clock))
         sim%clock%dt = until - sim%clock%time
@@ -128,19 +128,19 @@ contains
             sim%limiter = merge('air   ', 'solid ', sim%air%present)
         end if
         call check_floor(sim, dt, trim(sim%limiter), err)
-        if (particles_awake(sim%solid) > 0) &
+        if (particles_active(sim%solid) > 0) &
             call check_floor(sim, solid_time_step(sim%solid), 'solid', err)
         if (failed(err)) return
-        if (sim%air%present .and. particles_awake(sim%solid) > 0) &
+        if (sim%air%present .and. particles_active(sim%solid) > 0) &
             dt = whole_step(dt, sim%solid%dt_limit, real(product(int(sim%air%whole, int64)), dp), &
-                            real(particles_awake(sim%solid), dp))
+                            real(particles_active(sim%solid), dp))
         left = sim%case%run%t_end - sim%clock%time
         if (2*dt > left) then ! two even steps rather than a tiny last one
             dt = merge(left, left/2, dt >= left)
             sim%limiter = 'end'
         end if
         sim%substeps = 0
-        if (particles_awake(sim%solid) > 0) sim%substeps = substeps(sim, dt)
+        if (particles_active(sim%solid) > 0) sim%substeps = substeps(sim, dt)
     end subroutine choose_time_step
 
     !> A time step that has collapsed ends the run; the state before it is intact.
@@ -216,12 +216,13 @@ contains
         call spread_load(sim%solid, sim%coupling, dt, err)
         call end_part(sim, err)
         if (sim%solid%on_gpu) sim%solid%device%fetched = .false.
-        if (any(sim%solid%bodies%asleep)) call wake_loaded(sim%solid, sim%coupling, dt, err)
+        if (any(sim%solid%bodies%inactive)) call wake_loaded(sim%solid, sim%coupling, dt, err)
         if (sim%coupling%on_gpu) call reduce_errors(sim%solid%ranks, err)
-        if (particles_awake(sim%solid) > 0) sim%substeps = substeps(sim, dt)
+        if (particles_active(sim%solid) > 0) sim%substeps = substeps(sim, dt)
     end subroutine load_solid
 
-    !> Sub-steps of the solid under the constant load of this step; none while all of it is asleep.
+    !> Sub-steps of the solid under the constant load of this step; none while all of it is
+    !> inactive.
     subroutine step_solid(sim, dt, err)
         type(simulation_t), intent(inout) :: sim
         real(dp), intent(in) :: dt !! [s]
@@ -234,6 +235,6 @@ contains
             if (failed(err)) return
         end do
         sim%progress%particle_steps = sim%progress%particle_steps + &
-                                      sim%substeps*particles_awake(sim%solid)
+                                      sim%substeps*particles_active(sim%solid)
     end subroutine step_solid
 end module brz_time_step
