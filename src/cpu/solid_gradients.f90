@@ -14,7 +14,7 @@ module brz_solid_gradients
     use brz_hold_layout, only: control_affine, control_stiffness
     use brz_intact_share, only: intact_share
     use brz_kinds, only: dp, int64, int8, rk
-    use brz_lone_layer, only: close_layer, face_power, lie_in_layer, open_faces, stay_in_layer, &
+    use brz_membrane, only: close_layer, face_power, lie_in_layer, open_faces, stay_in_layer, &
                               turn_layer
     use brz_material, only: class_elastic, point_t, secant_share, strength_left
     use brz_materials, only: unloaded_speed, update_material

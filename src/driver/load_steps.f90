@@ -3,8 +3,9 @@
 module brz_load_steps
     use brz_device_data, only: update_device, update_host
     use brz_face_load, only: mean_pressures, pushes
-    use brz_facet_loops, only: for_each_begin_load, for_each_load_carrier, for_each_mark_beside, &
-                               for_each_own_carrier, for_each_place_particle, for_each_sum_load
+    use brz_loaded_segment_loops, only: for_each_begin_load, for_each_load_carrier, &
+                               for_each_mark_beside, for_each_own_carrier, &
+                               for_each_place_particle, for_each_sum_load
     use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
     use brz_lists, only: clear_list
@@ -14,7 +15,7 @@ module brz_load_steps
     use brz_errors, only: error_t
     implicit none
     private
-    public :: load_faces, mark_facets, note_carriers
+    public :: load_faces, mark_loaded_segments, note_carriers
 
 contains
 
@@ -40,7 +41,7 @@ contains
         end do
         solid%loads%mean = mean_pressures(solid%loads, solid%time, dt)
         if (solid%on_gpu) call update_device(solid%loads%mean, err)
-        associate (there => solid%loads%facets, place => solid%loads%place)
+        associate (there => solid%loads%segments, place => solid%loads%place)
             if (there%carriers > 0) call for_each_load_carrier(solid%on_gpu, there%carriers, solid%wide, &
                 solid%stride_d, solid%stride_p, solid%stride_t, solid%time, dt, there%first, &
                 there%id, there%load, there%beside, there%mirror, there%width, there%most, &
@@ -88,33 +89,33 @@ contains
         end do
     end subroutine place_own
 
-    !> Particles may have changed processes: tell all who has those that carry facets.
+    !> Particles may have changed processes: tell all who has those that carry loaded segments.
     subroutine note_carriers(solid, err)
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
         if (.not. (allocated(solid%loads%of) .and. several(solid%ranks))) return
         call place_own(solid, err)
-        associate (there => solid%loads%facets, place => solid%loads%place)
+        associate (there => solid%loads%segments, place => solid%loads%place)
             call for_each_own_carrier(solid%on_gpu, there%carriers, solid%ranks%rank + 1, there%first, there%id, &
                                   place, there%owner, err)
         end associate
-        if (solid%on_gpu) call update_host(solid%loads%facets%owner, err)
+        if (solid%on_gpu) call update_host(solid%loads%segments%owner, err)
         call tell_carriers(solid)
-        if (solid%on_gpu) call update_device(solid%loads%facets%owner, err)
+        if (solid%on_gpu) call update_device(solid%loads%segments%owner, err)
     end subroutine note_carriers
 
-    !> Mark the particles that others need for facets, of which they are the neighbours.
-    subroutine mark_facets(solid, err)
+    !> Mark the particles that others need for loaded segments, of which they are the neighbours.
+    subroutine mark_loaded_segments(solid, err)
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
         if (.not. allocated(solid%loads%of)) return
         call place_own(solid, err) ! arrays may have been laid anew
-        associate (there => solid%loads%facets, place => solid%loads%place, part => solid%part)
+        associate (there => solid%loads%segments, place => solid%loads%place, part => solid%part)
             call for_each_mark_beside(solid%on_gpu, there%carriers, solid%n, solid%ranks%rank + 1, there%first, &
                 there%beside, there%owner, place, part%sent, part%mark, err)
         end associate
         solid%loads%rebuilds = -1 ! ghosts have no places now
-    end subroutine mark_facets
+    end subroutine mark_loaded_segments
 end module brz_load_steps

@@ -25,7 +25,7 @@ module brz_owner_steps
     use brz_owner_loops, only: for_each_mark_home, for_each_mark_near
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least
-    use brz_load_steps, only: mark_facets, note_carriers
+    use brz_load_steps, only: mark_loaded_segments, note_carriers
     use brz_message_exchange, only: tell_all
     use brz_places, only: message_buffers_t
     use brz_solid_owner, only: are_even, lacks_room
@@ -240,7 +240,7 @@ contains
             end associate
             call mark_glue(solid, b, err)
         end do
-        call mark_facets(solid, err)
+        call mark_loaded_segments(solid, err)
         call count_marks(solid%on_gpu, solid%n, solid%bodies%first, solid%part%marks_t, number, err)
     end subroutine mark_ghosts
 

@@ -11,25 +11,25 @@ module brz_gpu_solid_load
 
 contains
 
-    !> Copy the facets.
+    !> Copy the loaded segments.
     subroutine open_gpu_loads(loads, err)
         type(loads_t), intent(inout) :: loads
         type(error_t), intent(inout) :: err
 
         if (.not. allocated(loads%of)) return
         loads%rebuilds = -1 ! the GPU has no places yet
-        associate (facets => loads%facets)
-            if (allocated(facets%first)) then
-                call enter_data(facets%first, err)
-                call enter_data(facets%owner, err)
-                call enter_data(facets%id, err)
-                call enter_data(facets%load, err)
-                call enter_data(facets%beside, err)
-                call enter_data(facets%mirror, err)
-                call enter_data(facets%width, err)
-                call enter_data(facets%most, err)
-                call enter_data(facets%side, err)
-                call enter_data(facets%wave, err)
+        associate (segments => loads%segments)
+            if (allocated(segments%first)) then
+                call enter_data(segments%first, err)
+                call enter_data(segments%owner, err)
+                call enter_data(segments%id, err)
+                call enter_data(segments%load, err)
+                call enter_data(segments%beside, err)
+                call enter_data(segments%mirror, err)
+                call enter_data(segments%width, err)
+                call enter_data(segments%most, err)
+                call enter_data(segments%side, err)
+                call enter_data(segments%wave, err)
             end if
         end associate
         if (.not. allocated(loads%mean)) allocate (loads%mean(size(loads%of)), source=0.0_dp)

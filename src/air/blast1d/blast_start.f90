@@ -3,7 +3,7 @@
 module brz_blast_start
     use brz_blast1d_state, only: blast1d_input_t
     use brz_case, only: case_t, charge_case_t
-    use brz_outlines, only: body_box
+    use brz_body_geometries, only: body_box
     use brz_explosives, only: explosives, find_explosive
     use brz_jwl, only: jwl_t
     use brz_kinds, only: dp

@@ -6,7 +6,7 @@ module brz_axial_start
     use brz_blast_start, only: charge_constants
     use brz_case, only: case_t, label
     use brz_charge_shape, only: make_shape, charge_shape_t
-    use brz_outlines, only: body_box
+    use brz_body_geometries, only: body_box
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kinds, only: dp
     use brz_text, only: to_text

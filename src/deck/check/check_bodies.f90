@@ -10,8 +10,8 @@ module brz_check_bodies
     use brz_deck, only: add_warning, complain, deck_t, find_group, group_label
     use brz_get, only: is_given, is_usable, need_file
     use brz_kinds, only: dp
-    use brz_outline, only: has_key, needs_key, outline_t
-    use brz_outlines, only: body_box, keys_of_shapes, outline_of
+    use brz_body_geometry, only: has_key, needs_key, body_geometry_t
+    use brz_body_geometries, only: body_box, keys_of_shapes, geometry_of
     use brz_text, only: nearest, to_text
     implicit none
     private
@@ -118,27 +118,27 @@ contains
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
         type(body_case_t), intent(in) :: body
-        type(outline_t) :: outline
+        type(body_geometry_t) :: geometry
         character(24), allocatable :: keys(:)
         character(:), allocatable :: key, text
         integer :: i
 
         if (.not. is_usable(deck%groups(g), 'shape')) return
-        outline = outline_of(body)
+        geometry = geometry_of(body)
         keys = keys_of_shapes()
         do i = 1, size(keys)
             key = trim(keys(i))
-            if (has_key(outline, key)) then
-                if (needs_key(outline, key) .and. .not. is_usable(deck%groups(g), key)) &
+            if (has_key(geometry, key)) then
+                if (needs_key(geometry, key) .and. .not. is_usable(deck%groups(g), key)) &
                     call need_key(deck, g, body, key)
             else if (is_given(deck%groups(g), key)) then
                 call complain(deck, g, key, "key '"//key//"' has no place with shape='"// &
                               trim(body%shape)//"'; take it out or change the shape")
             end if
         end do
-        if (needs_key(outline, 'box')) call check_corners(deck, g, body%lo, body%hi)
-        if (deck%groups(g)%bad .or. .not. associated(outline%fault)) return
-        call outline%fault(body, key, text)
+        if (needs_key(geometry, 'box')) call check_corners(deck, g, body%lo, body%hi)
+        if (deck%groups(g)%bad .or. .not. associated(geometry%fault)) return
+        call geometry%fault(body, key, text)
         if (key /= '') call complain(deck, g, key, text)
     end subroutine check_shape
 

@@ -5,7 +5,7 @@ module brz_check_directions
     use brz_case, only: body_case_t, case_t
     use brz_deck, only: add_warning, complain, deck_t, group_label
     use brz_kinds, only: dp
-    use brz_outlines, only: body_box
+    use brz_body_geometries, only: body_box
     implicit none
     private
     public :: check_directions

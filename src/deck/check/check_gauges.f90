@@ -4,7 +4,7 @@ module brz_check_gauges
     use brz_case, only: case_t, gauge_case_t
     use brz_check_air, only: box_text, point_text
     use brz_check_bodies, only: miss_body
-    use brz_outlines, only: body_box
+    use brz_body_geometries, only: body_box
     use brz_check_start, only: is_axial, is_radial
     use brz_deck, only: complain, deck_t, find_group, may_be_misspelt
     use brz_gauge_quantities, only: find_quantity, is_motion, is_of_body, quantities

@@ -8,7 +8,7 @@ module brz_check_idle
     use brz_deck, only: add_warning, deck_t, entry_line, find_group, group_label
     use brz_get, only: is_given
     use brz_kinds, only: dp, real32
-    use brz_outlines, only: body_box
+    use brz_body_geometries, only: body_box
     use brz_text, only: to_text
     implicit none
     private

@@ -8,7 +8,7 @@ module brz_check_loads
     use brz_errors, only: error_t, failed
     use brz_get, only: get, get_list, get_path, is_given, is_usable, need_file
     use brz_kinds, only: dp
-    use brz_outlines, only: body_box
+    use brz_body_geometries, only: body_box
     use brz_text, only: to_text
     implicit none
     private

@@ -4,7 +4,7 @@ module brz_check_plies
     use brz_case, only: body_case_t, case_t, material_case_t
     use brz_deck, only: add_warning, deck_t, group_label
     use brz_kinds, only: dp
-    use brz_outlines, only: body_box
+    use brz_body_geometries, only: body_box
     use brz_text, only: to_text
     implicit none
     private

@@ -4,7 +4,7 @@ module brz_body_keys
     use brz_key, only: key_t, required
     use brz_key_rows, only: add_group, add_rows, also_called, flag, number, whole_number, words
     use brz_kinds, only: dp
-    use brz_outlines, only: own_keys, shape_choices
+    use brz_body_geometries, only: own_keys, shape_choices
     implicit none
     private
     public :: body_keys

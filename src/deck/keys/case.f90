@@ -136,7 +136,8 @@ module brz_case
         real(dp) :: centre(3) = 0, radius = 0, length = 0 !! sphere, cylinder [m]
         real(dp) :: below(3) = 0 !! of a box, what planes of symmetry have cut off [m]
         real(dp) :: inner_radius = 0 !! of a hollow cylinder or sphere [m]
-        real(dp) :: own(6) = 0 !! numbers of the keys that its shape has alone, see brz_outline
+        real(dp) :: own(6) = 0 !! numbers of the keys that its shape has alone, see
+                               !! brz_body_geometry
         character(1) :: axis = 'z' !! cylinder, bars
         real(dp) :: diameter = 0 !! bars [m]
         integer :: bars(2) = 1 !! bars along the two directions across, in cyclic order

@@ -4,8 +4,8 @@ module brz_fill_shape
     use brz_case, only: body_case_t
     use brz_deck, only: deck_t
     use brz_get, only: get, get_box, get_path
-    use brz_outline, only: outline_t
-    use brz_outlines, only: outline_of
+    use brz_body_geometry, only: body_geometry_t
+    use brz_body_geometries, only: geometry_of
     implicit none
     private
     public :: fill_shape
@@ -17,7 +17,7 @@ contains
         integer, intent(in) :: g
         type(body_case_t), intent(inout) :: body
         character(len(body%shape)) :: lattice
-        type(outline_t) :: outline
+        type(body_geometry_t) :: geometry
         integer :: k, n
 
         lattice = ''
@@ -39,10 +39,10 @@ contains
             call get(group, 'lattice', lattice)
             body%layered = lattice == 'layered'
             call get(group, 'aspect', body%aspect)
-            outline = outline_of(body)
-            if (.not. allocated(outline%keys)) return
-            do k = 1, size(outline%keys)
-                call get(group, trim(outline%keys(k)%key), body%own(k))
+            geometry = geometry_of(body)
+            if (.not. allocated(geometry%keys)) return
+            do k = 1, size(geometry%keys)
+                call get(group, trim(geometry%keys(k)%key), body%own(k))
             end do
         end associate
     end subroutine fill_shape

@@ -268,7 +268,7 @@ contains
         integer :: a
 
         a = axis_of(body)
-        if (points%shape%outline%fits /= 'axis' .or. body%shape == 'bars') return
+        if (points%shape%geometry%fits /= 'axis' .or. body%shape == 'bars') return
         if (a > points%shape%dimension) return
         if (size(points%x, 2) == 0) return
         length = points%shape%hi(a) - points%shape%lo(a)

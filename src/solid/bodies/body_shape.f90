@@ -6,8 +6,8 @@ module brz_body_shape
     use brz_bar_layers, only: bar_at, bar_count, bar_offset, bar_span, bars_modelled, span_t
     use brz_case, only: body_case_t, is_from_file
     use brz_kinds, only: dp
-    use brz_outline, only: fits_along, outline_t
-    use brz_outlines, only: outline_of
+    use brz_body_geometry, only: fits_along, body_geometry_t
+    use brz_body_geometries, only: geometry_of
     implicit none
     private
     public :: shape_t, lay_shape, take_lattice, point_of, inside, exact_volume, modelled_share, &
@@ -18,7 +18,7 @@ module brz_body_shape
     !> A lattice that covers a body, cut at the symmetry planes.
     type :: shape_t
         integer :: dimension = 3
-        type(outline_t) :: outline
+        type(body_geometry_t) :: geometry
         real(dp) :: lo(3) = 0, hi(3) = 0 !! corners of what is modelled [m]
         real(dp) :: full_lo(3) = 0, full_hi(3) = 0 !! the same before cutting [m]
         real(dp) :: spacing(3) = 0 !! of the layers [m]
@@ -44,8 +44,8 @@ contains
 
         s%dimension = dimension
         s%depth = depth
-        s%outline = outline_of(body)
-        call s%outline%corners(body, s%lo, s%hi)
+        s%geometry = geometry_of(body)
+        call s%geometry%corners(body, s%lo, s%hi)
         if (present(box)) then
             s%lo = box(:, 1)
             s%hi = box(:, 2)
@@ -66,7 +66,7 @@ contains
             if (s%on_plane(a)) s%lo(a) = 0
             side = s%hi(a) - s%lo(a)
             s%start(a) = s%lo(a)
-            if (fits_along(s%outline, body, a)) then
+            if (fits_along(s%geometry, body, a)) then
                 s%n(a) = max(1, nint(side/apart))
                 s%spacing(a) = side/s%n(a)
             else if (body%shape == 'bars') then
@@ -163,8 +163,8 @@ contains
             return
         end if
         inside = all(within(:n))
-        if (inside .and. associated(s%outline%holds)) &
-            inside = s%outline%holds(body, n, x, margin)
+        if (inside .and. associated(s%geometry%holds)) &
+            inside = s%geometry%holds(body, n, x, margin)
     end function inside
 
     !> True for a point within half a spacing of a marked point of the lattice.
@@ -265,7 +265,7 @@ contains
             end do
             return
         case default
-            volume = s%outline%volume(body, s%dimension)*s%depth*modelled_share(s)
+            volume = s%geometry%volume(body, s%dimension)*s%depth*modelled_share(s)
         end select
     end function exact_volume
 
@@ -276,7 +276,7 @@ contains
 
         share = 1
         do a = 1, s%dimension
-            if (is_cut(s, a, .true.)) share = merge(share/2, 0.0_dp, s%outline%even)
+            if (is_cut(s, a, .true.)) share = merge(share/2, 0.0_dp, s%geometry%even)
             if (is_cut(s, a, .false.)) share = 0
         end do
     end function modelled_share

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Which bodies are a single layer of particles, and what that takes: brz_lone_layer.
+!> Which bodies are a single layer of particles, and what that takes: brz_membrane.
 module brz_layer_setup
     use brz_body, only: body_t
     use brz_body_shape, only: shape_t

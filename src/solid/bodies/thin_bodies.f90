@@ -2,7 +2,7 @@
 !> Bodies of a single layer or row of particles: their sums know nothing of the strain across.
 !>
 !> Left at zero, it makes them too stiff (a row of steel by 36 %) until they give way sideways.
-!> Only the membranes of brz_lone_layer, and what other bodies are bonded to, are right; in a
+!> Only the membranes of brz_membrane, and what other bodies are bonded to, are right; in a
 !> total-Lagrangian body dx/dX is singular, and there is no stress at all.
 module brz_thin_bodies
     use brz_bar_layers, only: layers_across

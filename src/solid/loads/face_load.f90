@@ -2,13 +2,13 @@
 !> Pressures on faces of bodies and forces on whole bodies, in scenes without air.
 !>
 !> A face is the outermost layer of a lattice, seen along an axis. Each of its particles carries a
-!> facet: the vectors to its neighbours in the layer span its area and show its normal, so that the
-!> load follows the face as it stretches, bends and turns.
+!> loaded segment: the vectors to its neighbours in the layer span its area and show its normal, so
+!> that the load follows the face as it stretches, bends and turns.
 !>
 !> Source: docs/blast.md, loads without air
 module brz_face_load
     use brz_kinds, only: dp, int32
-    use brz_loads, only: facets_t, load_history_t, loads_t
+    use brz_loads, only: loaded_segments_t, load_history_t, loads_t
     use brz_time_table, only: mean_over
     implicit none
     private
@@ -17,15 +17,16 @@ module brz_face_load
 
 contains
 
-    !> Room for n facets.
-    subroutine lay_out(facets, n)
-        type(facets_t), intent(out) :: facets
+    !> Room for n loaded segments.
+    subroutine lay_out(segments, n)
+        type(loaded_segments_t), intent(out) :: segments
         integer, intent(in) :: n
 
-        facets%n = n
-        allocate (facets%id(n), facets%load(n), facets%side(n), facets%beside(4, n), &
-                  facets%mirror(4, n), facets%width(2, n), facets%most(2, n), facets%wave(6, n))
-        facets%wave = 0
+        segments%n = n
+        allocate (segments%id(n), segments%load(n), segments%side(n), segments%beside(4, n), &
+                  segments%mirror(4, n), segments%width(2, n), segments%most(2, n), &
+                  segments%wave(6, n))
+        segments%wave = 0
     end subroutine lay_out
 
     !> Mean pressure of each load over a step; 0 of pushes and of blasts [Pa].
@@ -58,8 +59,9 @@ contains
         end do
     end function pushes
 
-    !> When a load begins to act: the first wave at its facets, or the last point of its history
-    !> before a value that is not 0; huge where there is none, -huge where it acts all the time [s].
+    !> When a load begins to act: the first wave at its loaded segments, or the last point of its
+    !> history before a value that is not 0; huge where there is none, -huge where it acts all the
+    !> time [s].
     pure real(dp) function arrival_of(loads, k) result(arrival)
         type(loads_t), intent(in) :: loads
         integer, intent(in) :: k !! place of the load
@@ -67,9 +69,9 @@ contains
 
         arrival = huge(arrival)
         if (loads%of(k)%blast) then
-            associate (facets => loads%facets)
-                arrival = minval([arrival, pack(facets%wave(1, :), facets%load == k &
-                                                .and. facets%wave(2, :) > 0)])
+            associate (segments => loads%segments)
+                arrival = minval([arrival, pack(segments%wave(1, :), segments%load == k &
+                                                .and. segments%wave(2, :) > 0)])
             end associate
             return
         end if

@@ -10,13 +10,15 @@ module brz_load_part
 
 contains
 
-    !> Which process has each particle that carries facets: each knows its own, and 0 of all others.
+    !> Which process has each particle that carries loaded segments: each knows its own, and 0 of
+    !> all others.
     subroutine tell_carriers(solid)
         type(solid_t), intent(inout) :: solid
         integer(int64), allocatable :: own(:)
 
-        allocate (own(size(solid%loads%facets%owner)), source=int(solid%loads%facets%owner, int64))
+        allocate (own(size(solid%loads%segments%owner)), &
+            source=int(solid%loads%segments%owner, int64))
         call most_of_all(solid%ranks, own)
-        solid%loads%facets%owner = int(own, int32)
+        solid%loads%segments%owner = int(own, int32)
     end subroutine tell_carriers
 end module brz_load_part

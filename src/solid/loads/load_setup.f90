@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The facets that carry the loads of a deck, from the unloaded bodies.
+!> The loaded segments that carry the loads of a deck, from the unloaded bodies.
 module brz_load_setup
     use brz_body, only: body_t
     use brz_body_shape, only: shape_t
@@ -11,29 +11,29 @@ module brz_load_setup
     use brz_kinds, only: dp, int32, real32, rk
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, friedlander_decay, nearest, &
                                    nearest_ground, oblique_shares, surface_blast
-    use brz_loads, only: facets_t
+    use brz_loads, only: loaded_segments_t
     use brz_patch, only: is_under
     use brz_solid_state, only: solid_t
     use brz_stl, only: mesh_t, read_stl
     use brz_text, only: to_text
-    use brz_wall_facets, only: find_wall_facets
+    use brz_loaded_wall, only: find_loaded_wall
     use brz_wide_lattice, only: unloaded_place
     implicit none
     private
     public :: set_up_loads
 
     real(dp), parameter :: fine = 0.01_dp !! step over the length of a load
-    real(dp), parameter :: most_stretch = 2 !! of a facet that still carries more load
+    real(dp), parameter :: most_stretch = 2 !! of a loaded segment that still carries more load
 
 contains
 
-    !> Facets of all loads, and room for forces.
+    !> Loaded segments of all loads, and room for forces.
     subroutine set_up_loads(case, shapes, solid, err)
         type(case_t), intent(in) :: case
         type(shape_t), intent(in) :: shapes(:) !! of the bodies
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        type(facets_t), allocatable :: facets(:)
+        type(loaded_segments_t), allocatable :: segments(:)
         integer :: k
 
         if (.not. allocated(case%loads)) return
@@ -41,7 +41,7 @@ contains
         if (.not. allocated(solid%load)) allocate (solid%load(3, solid%n), source=0.0_rk)
         if (.not. all(case%loads%on_all)) allocate (solid%face_stress(6, solid%n), source=0.0_rk)
         allocate (solid%loads%of(size(case%loads)), solid%loads%place(solid%n), &
-                  facets(size(case%loads)))
+                  segments(size(case%loads)))
         call find_places(solid%loads, solid%id)
         do k = 1, size(case%loads)
             associate (load => case%loads(k), history => solid%loads%of(k))
@@ -50,34 +50,34 @@ contains
                 history%pressure = load%pressure
                 if (size(load%time) > 1) solid%loads%step = min(solid%loads%step, fine* &
                                                      (load%time(size(load%time)) - load%time(1)))
-                call lay_out(facets(k), 0)
+                call lay_out(segments(k), 0)
                 if (load%on_all) then
                     history%body = load%body
                     history%push = push_of(load, solid)
                     cycle
                 end if
                 if (case%bodies(load%body)%layered) then
-                    call find_wall_facets(case%bodies(load%body), shapes(load%body), &
+                    call find_loaded_wall(case%bodies(load%body), shapes(load%body), &
                                           load%faces(7:8), most_stretch, solid, &
-                                          solid%bodies(load%body), facets(k))
+                                          solid%bodies(load%body), segments(k))
                 else
-                    call find_facets(load, shapes(load%body), solid, solid%bodies(load%body), &
-                                     facets(k), err)
+                    call find_loaded_segments(load, shapes(load%body), solid, &
+                                     solid%bodies(load%body), segments(k), err)
                     if (failed(err)) return
                     call weigh_edges(load, shapes(load%body), solid, solid%bodies(load%body), &
-                                     facets(k))
+                                     segments(k))
                 end if
-                facets(k)%load = k
-                if (facets(k)%n == 0) call raise(err, exit_deck, label('load', load%id, &
+                segments(k)%load = k
+                if (segments(k)%n == 0) call raise(err, exit_deck, label('load', load%id, &
                     load%place)//'no particle of the body lies on these faces'// &
                     trim(merge(' under the patch', '                ', load%patch /= ''))// &
                     '; name others')
                 if (.not. history%blast) cycle
-                call find_waves(load, solid, facets(k), err)
-                solid%loads%step = min(solid%loads%step, minval(facets(k)%wave(2, :))*fine)
+                call find_waves(load, solid, segments(k), err)
+                solid%loads%step = min(solid%loads%step, minval(segments(k)%wave(2, :))*fine)
             end associate
         end do
-        call join(facets, solid%loads%facets)
+        call join(segments, solid%loads%segments)
         call judge_arrivals(case, solid)
     end subroutine set_up_loads
 
@@ -113,10 +113,10 @@ contains
         end associate
     end function push_of
 
-    !> The facets of all loads in one list, those of a particle one after the other.
+    !> The loaded segments of all loads in one list, those of a particle one after the other.
     subroutine join(parts, all)
-        type(facets_t), intent(in) :: parts(:)
-        type(facets_t), intent(out) :: all
+        type(loaded_segments_t), intent(in) :: parts(:)
+        type(loaded_segments_t), intent(out) :: all
         integer, allocatable :: start(:)
         integer :: at, i, k, most
 
@@ -136,7 +136,7 @@ contains
         allocate (all%owner(all%carriers), source=0_int32)
         all%first(all%carriers + 1) = all%n + 1
         at = 0
-        do i = 1, most ! from numbers of facets to the places before those of a particle
+        do i = 1, most ! from numbers of loaded segments to the places before those of a particle
             if (start(i + 1) > 0) then
                 at = at + 1
                 all%first(at) = start(i) + 1
@@ -146,15 +146,15 @@ contains
         do k = 1, size(parts)
             do i = 1, parts(k)%n
                 start(parts(k)%id(i)) = start(parts(k)%id(i)) + 1
-                call copy_facet(parts(k), i, all, start(parts(k)%id(i)))
+                call copy_loaded_segment(parts(k), i, all, start(parts(k)%id(i)))
             end do
         end do
     end subroutine join
 
-    subroutine copy_facet(from, i, to, k)
-        type(facets_t), intent(in) :: from
+    subroutine copy_loaded_segment(from, i, to, k)
+        type(loaded_segments_t), intent(in) :: from
         integer, intent(in) :: i, k
-        type(facets_t), intent(inout) :: to
+        type(loaded_segments_t), intent(inout) :: to
 
         to%id(k) = from%id(i)
         to%load(k) = from%load(i)
@@ -164,15 +164,15 @@ contains
         to%width(:, k) = from%width(:, i)
         to%most(:, k) = from%most(:, i)
         to%wave(:, k) = from%wave(:, i)
-    end subroutine copy_facet
+    end subroutine copy_loaded_segment
 
     !> Particles with no neighbour on the lattice across a face, and their neighbours in the layer.
-    subroutine find_facets(load, shape, solid, body, facets, err)
+    subroutine find_loaded_segments(load, shape, solid, body, segments, err)
         type(load_case_t), intent(in) :: load
         type(shape_t), intent(in) :: shape
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        type(facets_t), intent(out) :: facets
+        type(loaded_segments_t), intent(out) :: segments
         type(error_t), intent(inout) :: err
         type(mesh_t) :: mesh
         integer, allocatable :: cell(:, :, :)
@@ -198,59 +198,59 @@ contains
                         if (side < 0 .and. solid%mirror(axis) .and. &
                             solid%x_ref(axis, i) < shape%spacing(axis)*body%stretch(axis)) cycle
                         n = n + 1
-                        if (pass == 2) call lay_facet(i, axis, side, n)
+                        if (pass == 2) call lay_loaded_segment(i, axis, side, n)
                     end do
                 end do
             end do
-            if (pass == 1) call lay_out(facets, n)
+            if (pass == 1) call lay_out(segments, n)
         end do
 
     contains
 
-        !> Facet k: that of particle i. A neighbour beyond a plane of symmetry is its own image; at
-        !> an edge of the face the span is that to the one other neighbour.
-        subroutine lay_facet(i, axis, side, k)
+        !> Loaded segment k: that of particle i. A neighbour beyond a plane of symmetry is its own
+        !> image; at an edge of the face the span is that to the one other neighbour.
+        subroutine lay_loaded_segment(i, axis, side, k)
             integer, intent(in) :: i, axis, side, k
             integer :: a, j, m, step(3), tangent, up
 
-            facets%id(k) = solid%id(i)
-            facets%side(k) = side*axis
+            segments%id(k) = solid%id(i)
+            segments%side(k) = side*axis
             do tangent = 1, 2
                 a = mod(axis + tangent - 1, 3) + 1
-                facets%width(tangent, k) = 0
-                facets%most(tangent, k) = most_stretch*shape%spacing(a)
+                segments%width(tangent, k) = 0
+                segments%most(tangent, k) = most_stretch*shape%spacing(a)
                 do up = 0, 1
                     m = 2*tangent - 1 + up
-                    facets%beside(m, k) = 0
-                    facets%mirror(m, k) = 0
+                    segments%beside(m, k) = 0
+                    segments%mirror(m, k) = 0
                     if (a > solid%dimension) cycle
                     step = 0
                     step(a) = 1 - 2*up
                     j = number_at(cell, low, high, &
                                   place_of(solid, i, body%first, shape%spacing*body%stretch) + step)
                     if (j > 0) then
-                        facets%beside(m, k) = solid%id(j)
+                        segments%beside(m, k) = solid%id(j)
                     else if (up == 1 .and. solid%mirror(a) .and. &
                              solid%x_ref(a, i) < shape%spacing(a)*body%stretch(a)) then
-                        facets%mirror(m, k) = a
+                        segments%mirror(m, k) = a
                     else
                         cycle
                     end if
-                    facets%width(tangent, k) = facets%width(tangent, k) + 1
+                    segments%width(tangent, k) = segments%width(tangent, k) + 1
                 end do
-                if (facets%width(tangent, k) > 0) &
-                    facets%width(tangent, k) = 1/facets%width(tangent, k)
+                if (segments%width(tangent, k) > 0) &
+                    segments%width(tangent, k) = 1/segments%width(tangent, k)
             end do
-        end subroutine lay_facet
-    end subroutine find_facets
+        end subroutine lay_loaded_segment
+    end subroutine find_loaded_segments
 
-    !> Give facets near the edges of faces the shares of the load that their columns bear.
-    subroutine weigh_edges(load, shape, solid, body, facets)
+    !> Give loaded segments near the edges of faces the shares of the load that their columns bear.
+    subroutine weigh_edges(load, shape, solid, body, segments)
         type(load_case_t), intent(in) :: load
         type(shape_t), intent(in) :: shape
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        type(facets_t), intent(inout) :: facets
+        type(loaded_segments_t), intent(inout) :: segments
         real(dp) :: apart(3), share, shares(n_edge)
         integer, allocatable :: cell(:, :, :)
         integer :: a, i, k, low(3), high(3), tangent
@@ -259,14 +259,14 @@ contains
         apart = shape%spacing*body%stretch
         call fill_lattice(solid, body, apart, cell, low, high)
         shares = edge_shares(solid%dimension, real(body%h/body%spacing, dp))
-        do k = 1, facets%n
-            i = solid%loads%place(facets%id(k))
+        do k = 1, segments%n
+            i = solid%loads%place(segments%id(k))
             do tangent = 1, 2
-                a = mod(abs(facets%side(k)) + tangent - 1, 3) + 1
+                a = mod(abs(segments%side(k)) + tangent - 1, 3) + 1
                 if (a > solid%dimension) cycle
                 share = share_of(shares, columns_to_edge(i, a, -1), columns_to_edge(i, a, 1))
-                facets%width(tangent, k) = share*facets%width(tangent, k)
-                facets%most(tangent, k) = share*facets%most(tangent, k)
+                segments%width(tangent, k) = share*segments%width(tangent, k)
+                segments%most(tangent, k) = share*segments%most(tangent, k)
             end do
         end do
 
@@ -349,12 +349,12 @@ contains
         if (all(at >= low) .and. all(at <= high)) i = cell(at(1), at(2), at(3))
     end function number_at
 
-    !> Waves of a blast on the facets of the unloaded body: reflected and incident part by the angle
-    !> of incidence.
-    subroutine find_waves(load, solid, facets, err)
+    !> Waves of a blast on the loaded segments of the unloaded body: reflected and incident part by
+    !> the angle of incidence.
+    subroutine find_waves(load, solid, segments, err)
         type(load_case_t), intent(in) :: load
         type(solid_t), intent(in) :: solid
-        type(facets_t), intent(inout) :: facets
+        type(loaded_segments_t), intent(inout) :: segments
         type(error_t), intent(inout) :: err
         type(blast_t) :: blast
         real(dp) :: arm(3), outward(3), share(2), distance, near, far, least
@@ -363,8 +363,8 @@ contains
         near = huge(near)
         least = merge(nearest_ground, nearest, load%on_ground)
         far = 0
-        do k = 1, facets%n
-            i = solid%loads%place(facets%id(k))
+        do k = 1, segments%n
+            i = solid%loads%place(segments%id(k))
             arm = load%at - unloaded_place(solid, load%body, i)
             arm(solid%dimension + 1:) = 0
             distance = norm2(arm)
@@ -377,13 +377,13 @@ contains
                 blast = free_air_blast(load%mass, distance)
             end if
             outward = 0
-            outward(abs(facets%side(k))) = sign(1, facets%side(k))
+            outward(abs(segments%side(k))) = sign(1, segments%side(k))
             associate (round => solid%bodies(load%body)%round)
                 if (load%faces(8)) outward = unloaded_place(solid, load%body, i) - round%centre
                 if (load%faces(8)) outward(round%axis) = 0
             end associate
             share = oblique_shares(dot_product(arm, outward)/(distance*norm2(outward)))
-            facets%wave(:, k) = [load%start + blast%arrival, blast%duration, &
+            segments%wave(:, k) = [load%start + blast%arrival, blast%duration, &
                 share(1)*blast%reflected, share(2)*blast%peak, &
                 friedlander_decay(blast%reflected, blast%duration, blast%reflected_impulse), &
                 friedlander_decay(blast%peak, blast%duration, blast%impulse)]

@@ -10,7 +10,7 @@ module brz_soft_bodies
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, nearest, nearest_ground, &
                                    surface_blast
     use brz_material, only: material_t
-    use brz_outlines, only: body_box
+    use brz_body_geometries, only: body_box
     use brz_text, only: to_text
     implicit none
     private

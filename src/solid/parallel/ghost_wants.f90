@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> Which ghosts a process needs: all whose place is within reach of its region by a list, a link
-!> or a facet.
+!> or a loaded segment.
 !>
 !> Particles of total-Lagrangian bodies are at home where they were before any load, since their
 !> neighbours of then are theirs for good. So links with them are not looked for in regions, but in
@@ -140,8 +140,8 @@ contains
         planes_of = sum(merge([1, 2, 4], 0, solid%mirror))
     end function planes_of
 
-    !> How many ways to need ghosts of body b are those of lists and facets, by the homes of the
-    !> particles; the others are links, by their places.
+    !> How many ways to need ghosts of body b are those of lists and loaded segments, by the homes
+    !> of the particles; the others are links, by their places.
     pure integer function of_lists(solid, b) result(n)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
@@ -150,8 +150,9 @@ contains
         if (solid%bodies(b)%formulation == form_rigid .and. .not. allocated(solid%loads%of)) n = 0
     end function of_lists
 
-    !> How ghosts of body b are needed: by lists or facets, then by links with other bodies. Of each
-    !> way and process: what is added to the place, how far it may then be from which box [m].
+    !> How ghosts of body b are needed: by lists or loaded segments, then by links with other
+    !> bodies. Of each way and process: what is added to the place, how far it may then be from
+    !> which box [m].
     pure function wants_of(solid, b, region) result(want)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
@@ -164,7 +165,7 @@ contains
         all = 0
         associate (body => solid%bodies(b))
             all(want_reach, 1, :) = reach_of_lists(solid, b)
-            if (body%formulation == form_rigid) & ! facets of what has no lists
+            if (body%formulation == form_rigid) & ! loaded segments of what has no lists
                 all(want_reach, 1, :) = beside*body%spacing
         end associate
         do r = 0, ubound(region, 3)

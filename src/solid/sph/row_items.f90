@@ -13,7 +13,7 @@ module brz_row_items
         n_control
     use brz_kinds, only: int32, real32, rk
     use brz_link_layout, only: n_press
-    use brz_lone_layer, only: face_power
+    use brz_membrane, only: face_power
     use brz_material, only: material_t
     use brz_pair_force, only: axial_stiffness
     use brz_pair_layout, only: n_pair, pair_affine, pair_keep, pair_linear, pair_quadratic, &

@@ -53,6 +53,6 @@ module brz_body
         type(motion_t), allocatable :: regions(:) !! those of regions of it; none if not allocated
         type(round_t) :: round !! its surface, where that is known to be round
         real(dp), allocatable :: surface(:, :, :) !! (3, 3, triangles) corners of it [m]; from a
-                                                  !! file, until `find_skin`
+                                                  !! file, until `find_contact_surface`
     end type body_t
 end module brz_body

@@ -35,7 +35,7 @@ module brz_solid_device
         logical :: total = .false. !! total-Lagrangian
         logical :: rigid = .false.
         logical :: drawn = .false. !! has the tensile control
-        logical :: layer = .false. !! a single layer, see brz_lone_layer
+        logical :: layer = .false. !! a single layer, see brz_membrane
         real(rk) :: reach = 0 !! of faces in contact, see strain_face [m]
         real(rk) :: density = 0 !! unloaded [kg/m3]
         logical :: tilted = .false. !! total-Lagrangian, with gradients by tilted arms

@@ -10,7 +10,7 @@ module brz_advice
     use brz_advice_start, only: advise_start
     use brz_advice_text, only: length_text, point_text, say_advice, say_more, time_text
     use brz_case, only: body_case_t, case_t, charge_case_t, is_from_file
-    use brz_outlines, only: body_box
+    use brz_body_geometries, only: body_box
     use brz_early, only: early_t
     use brz_kinds, only: dp, real32
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast

@@ -6,7 +6,7 @@ module brz_advice_air
     use brz_body, only: body_t
     use brz_case, only: body_case_t, case_t, is_from_file
     use brz_formulation_names, only: form_rigid
-    use brz_outlines, only: body_box
+    use brz_body_geometries, only: body_box
     use brz_early, only: early_t
     use brz_kinds, only: dp, real32
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, nearest

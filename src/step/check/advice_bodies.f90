@@ -5,7 +5,7 @@ module brz_advice_bodies
     use brz_advice_text, only: millimetres, point_text, say_advice, say_more, time_text
     use brz_case, only: case_t, is_from_file, is_held_whole
     use brz_formulation_names, only: form_corrected_hourglass, form_rigid
-    use brz_outlines, only: body_box
+    use brz_body_geometries, only: body_box
     use brz_kinds, only: dp, real32
     use brz_material, only: class_elastic, class_fluid, class_metal
     use brz_scene_size, only: count_text

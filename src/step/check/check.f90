@@ -8,7 +8,7 @@ module brz_check
     use brz_formulation_names, only: form_bending, form_names, form_rigid, form_total
     use brz_approach_speed, only: approach_speed
     use brz_case, only: body_case_t, case_t
-    use brz_outlines, only: body_box
+    use brz_body_geometries, only: body_box
     use brz_print_interactions, only: print_interactions
     use brz_cohesive_setup, only: interface_name, zone_over_spacing
     use brz_cohesive_state, only: cohesive_totals

@@ -8,8 +8,8 @@
 module brz_mirror_planes
     use brz_case, only: body_case_t, case_t, is_from_file, region_case_t
     use brz_kinds, only: dp
-    use brz_outline, only: outline_t
-    use brz_outlines, only: outline_of
+    use brz_body_geometry, only: body_geometry_t
+    use brz_body_geometries, only: geometry_of
     implicit none
     private
     public :: mirror_planes
@@ -91,9 +91,9 @@ contains
     logical function is_image(p, q, a) result(image)
         type(body_case_t), intent(in) :: p, q
         integer, intent(in) :: a
-        type(outline_t) :: outline
+        type(body_geometry_t) :: outline
 
-        outline = outline_of(p)
+        outline = geometry_of(p)
         image = p%shape == q%shape .and. outline%even .and. .not. is_from_file(p) .and. &
                 p%file == '' .and. p%start_file == '' .and. p%material == q%material .and. &
                 p%axis == q%axis .and. p%formulation == q%formulation .and. &

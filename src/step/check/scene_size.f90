@@ -6,7 +6,7 @@ module brz_scene_size
     use brz_body_count, only: count_particles
     use brz_body_points, only: points_t
     use brz_body_shape, only: shape_t
-    use brz_body_setup, only: outline_solid
+    use brz_body_setup, only: geometry_of_solid
     use brz_boxes, only: cells_t, crowd_t
     use brz_case, only: air_case_t, case_t
     use brz_errors, only: error_t, exit_deck, exit_device, failed, raise
@@ -110,7 +110,7 @@ contains
         type(points_t), allocatable :: points(:)
         integer :: b
 
-        call outline_solid(case, size_of%solid, points, err)
+        call geometry_of_solid(case, size_of%solid, points, err)
         if (failed(err)) return
         size_of%of_body = count_particles(case%bodies, points)
         size_of%particles = sum(size_of%of_body)

@@ -12,7 +12,7 @@ module brz_simulation_setup
     use brz_setup_progress, only: setup_blast, setup_stage
     use brz_simulation, only: simulation_t
     use brz_solid_owner, only: share_out
-    use brz_solid_skin, only: find_skin
+    use brz_contact_surface, only: find_contact_surface
     use brz_solid_sleep, only: put_to_sleep, sleep_until_loaded
     use brz_solid_start, only: start_solid
     use brz_start_1d, only: start_from_1d
@@ -47,7 +47,8 @@ contains
         if (failed(err)) return
         if (sim%solid%present) then
             sim%solid%ranks = sim%ranks
-            if (several(sim%ranks)) call find_skin(sim%solid) ! all processes have all particles
+            ! all processes have all particles
+            if (several(sim%ranks)) call find_contact_surface(sim%solid)
             if (several(sim%ranks) .and. sim%air%present) &
                 allocate (sim%solid%v_before(3, sim%solid%n), source=0.0_rk)
             call share_out(sim%solid)

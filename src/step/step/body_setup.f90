@@ -20,8 +20,8 @@ module brz_body_setup
     use brz_contact_edges, only: find_contact_edges
     use brz_interaction_setup, only: set_up_interactions
     use brz_load_setup, only: set_up_loads
-    use brz_outline, only: outline_t
-    use brz_outlines, only: outline_of
+    use brz_body_geometry, only: body_geometry_t
+    use brz_body_geometries, only: geometry_of
     use brz_kinds, only: dp, int16, rk
     use brz_layer_setup, only: settle_layer
     use brz_material, only: material_t, point_t
@@ -40,7 +40,7 @@ module brz_body_setup
     use brz_wide_lattice, only: settle_lattice
     implicit none
     private
-    public :: outline_solid, set_up_solid
+    public :: geometry_of_solid, set_up_solid
 
 contains
 
@@ -53,7 +53,7 @@ contains
         type(held_t) :: found
         integer :: b
 
-        call outline_solid(case, solid, points, err)
+        call geometry_of_solid(case, solid, points, err)
         if (failed(err) .or. .not. solid%present) return
         call place_points(case, points, err)
         if (failed(err)) return
@@ -135,7 +135,7 @@ contains
     end subroutine set_up_watch
 
     !> Materials, settings and shapes of the bodies of a case: all but their particles.
-    subroutine outline_solid(case, solid, points, err)
+    subroutine geometry_of_solid(case, solid, points, err)
         type(case_t), intent(in) :: case
         type(solid_t), intent(out) :: solid
         type(points_t), allocatable, intent(out) :: points(:)
@@ -151,7 +151,7 @@ contains
         call lay_bodies(case, solid, points, err)
         if (failed(err)) return
         solid%n_hist = maxval(solid%materials(solid%bodies%material)%n_hist)
-    end subroutine outline_solid
+    end subroutine geometry_of_solid
 
     !> All materials; their faults are told together.
     subroutine make_materials(case, materials, notes, err)
@@ -261,18 +261,18 @@ contains
         real(dp), intent(in) :: speed !! [m/s]
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
-        type(outline_t) :: outline
+        type(body_geometry_t) :: geometry
 
         body%id = input%id
         body%place = label('body', input%id, input%place)
         body%file = trim(input%file)
         body%material = input%material_index
         body%spacing = input%spacing
-        outline = outline_of(input)
-        if (outline%round) then
+        geometry = geometry_of(input)
+        if (geometry%round) then
             body%round%centre = input%centre
             body%round%radius = [input%radius, input%inner_radius]
-            if (outline%fits == 'axis') body%round%axis = axis_of(input)
+            if (geometry%fits == 'axis') body%round%axis = axis_of(input)
         end if
         call settle_formulation(input, material, dimension, speed, body, err)
     end subroutine settle

@@ -13,7 +13,7 @@ module brz_solid_start
     use brz_solid_links, only: first_bonds
     use brz_solid_motion, only: count_support
     use brz_solid_list_steps, only: build_neighbours
-    use brz_solid_skin, only: find_skin
+    use brz_contact_surface, only: find_contact_surface
     use brz_solid_state, only: solid_t
     use brz_solid_steps, only: find_forces_of, solid_step
     use brz_solid_tilts, only: find_tilts
@@ -26,14 +26,14 @@ module brz_solid_start
 contains
 
     !> Sort the particles, build their lists and find the first accelerations and time step. Where
-    !> several processes share them, `find_skin` has been called before.
+    !> several processes share them, `find_contact_surface` has been called before.
     subroutine start_solid(solid, err)
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         integer :: unsupported
 
         if (.not. solid%present) return
-        if (.not. several(solid%ranks)) call find_skin(solid)
+        if (.not. several(solid%ranks)) call find_contact_surface(solid)
         call build_neighbours(solid, .true., err)
         call size_particles(solid)
         call count_support(solid)

@@ -1,50 +1,51 @@
 ! SPDX-License-Identifier: MIT
 !> The shapes of bodies.
-module brz_outlines
+module brz_body_geometries
     use brz_case, only: body_case_t
     use brz_key, only: key_t
     use brz_kinds, only: dp
-    use brz_outline, only: outline_t
+    use brz_body_geometry, only: body_geometry_t
     use brz_text, only: split, string_t
     implicit none
     private
-    public :: outline_of, body_box, keys_of_shapes, own_keys, shape_choices, lay_outlines
+    public :: geometry_of, body_box, keys_of_shapes, own_keys, shape_choices, lay_geometries
 
-    type(outline_t), allocatable :: every(:) !! the table, once it is laid
+    type(body_geometry_t), allocatable :: every(:) !! the table, once it is laid
 
 contains
 
     !> Lay the table of all shapes, a line for each. Of bars and of what is in files brz_body_points
     !> knows more.
-    subroutine lay_outlines(more)
-        type(outline_t), intent(in), optional :: more !! another shape, for a test
+    subroutine lay_geometries(more)
+        type(body_geometry_t), intent(in), optional :: more !! another shape, for a test
 
-        every = [outline_t('box', needs='box', fits='all')]
-        block; use brz_sphere_outline, only: sphere; every = [every, sphere()]; end block
-        block; use brz_cylinder_outline, only: cylinder; every = [every, cylinder()]; end block
-        every = [every, outline_t('bars', needs='box axis diameter', takes='bars', fits='axis')]
-        every = [every, outline_t('stl', needs='file', takes='scale move')]
-        every = [every, outline_t('particles', needs='file', takes='scale move')]
+        every = [body_geometry_t('box', needs='box', fits='all')]
+        block; use brz_sphere_geometry, only: sphere; every = [every, sphere()]; end block
+        block; use brz_cylinder_geometry, only: cylinder; every = [every, cylinder()]; end block
+        every = [every, body_geometry_t('bars', needs='box axis diameter', takes='bars', &
+            fits='axis')]
+        every = [every, body_geometry_t('stl', needs='file', takes='scale move')]
+        every = [every, body_geometry_t('particles', needs='file', takes='scale move')]
         if (present(more)) every = [every, more]
-    end subroutine lay_outlines
+    end subroutine lay_geometries
 
     !> The shape of a body.
-    function outline_of(body) result(outline)
+    function geometry_of(body) result(geometry)
         type(body_case_t), intent(in) :: body
-        type(outline_t) :: outline
+        type(body_geometry_t) :: geometry
 
-        if (.not. allocated(every)) call lay_outlines()
-        outline = every(max(1, findloc(every%name, body%shape, 1)))
-    end function outline_of
+        if (.not. allocated(every)) call lay_geometries()
+        geometry = every(max(1, findloc(every%name, body%shape, 1)))
+    end function geometry_of
 
     !> Corners of the smallest box around a body [m].
     subroutine body_box(body, lo, hi)
         type(body_case_t), intent(in) :: body
         real(dp), intent(out) :: lo(3), hi(3)
-        type(outline_t) :: outline
+        type(body_geometry_t) :: geometry
 
-        outline = outline_of(body)
-        call outline%corners(body, lo, hi)
+        geometry = geometry_of(body)
+        call geometry%corners(body, lo, hi)
     end subroutine body_box
 
     !> All keys that some shapes have and others have not.
@@ -53,7 +54,7 @@ contains
         type(string_t), allocatable :: parts(:)
         integer :: i, k
 
-        if (.not. allocated(every)) call lay_outlines()
+        if (.not. allocated(every)) call lay_geometries()
         allocate (keys(0))
         do k = 1, size(every)
             call split(trim(every(k)%needs)//' '//trim(every(k)%takes), ' ', parts)
@@ -69,7 +70,7 @@ contains
         type(key_t), allocatable :: keys(:)
         integer :: k
 
-        if (.not. allocated(every)) call lay_outlines()
+        if (.not. allocated(every)) call lay_geometries()
         allocate (keys(0))
         do k = 1, size(every)
             if (allocated(every(k)%keys)) keys = [keys, every(k)%keys]
@@ -81,10 +82,10 @@ contains
         character(:), allocatable :: text
         integer :: k
 
-        if (.not. allocated(every)) call lay_outlines()
+        if (.not. allocated(every)) call lay_geometries()
         text = trim(every(1)%name)
         do k = 2, size(every)
             text = text//'|'//trim(every(k)%name)
         end do
     end function shape_choices
-end module brz_outlines
+end module brz_body_geometries

@@ -9,7 +9,7 @@
 !> with half a spacing around each.
 !>
 !> Source: docs/solid.md section 9
-module brz_solid_skin
+module brz_contact_surface
     use brz_body, only: body_t
     use brz_cell_grid, only: box_span, cell_span, fill_cells, lay_grid, number_of_cell
     use brz_flat_surface, only: flat_sum
@@ -21,7 +21,7 @@ module brz_solid_skin
     use brz_stl, only: nearest_on
     implicit none
     private
-    public :: find_skin
+    public :: find_contact_surface
 
     integer, parameter :: rounds = 3 !! in which the weights are found
     real(dp), parameter :: most_weight = 4 !! and 1/4 is the least
@@ -31,7 +31,7 @@ contains
 
     !> Weights and sums at first touch of the particles of bodies whose surface is known, from the
     !> unloaded ones.
-    subroutine find_skin(solid)
+    subroutine find_contact_surface(solid)
         type(solid_t), intent(inout) :: solid
         real(dp), allocatable :: depth(:), n(:, :)
         integer :: b, i
@@ -59,7 +59,7 @@ contains
         do b = 1, size(solid%bodies)
             if (allocated(solid%bodies(b)%surface)) deallocate (solid%bodies(b)%surface)
         end do
-    end subroutine find_skin
+    end subroutine find_contact_surface
 
     !> Depths of the particles of a body below its triangles, and the outward normals there; those
     !> far inside are as deep as can be.
@@ -215,4 +215,4 @@ contains
             end do
         end associate
     end subroutine find_thresholds
-end module brz_solid_skin
+end module brz_contact_surface

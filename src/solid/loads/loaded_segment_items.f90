@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Loads in scenes without air, a particle at a time: body forces, pressures on loaded segments
-!> (facets), what they do to a rigid body.
-module brz_facet_items
+!> (loaded segments), what they do to a rigid body.
+module brz_loaded_segment_items
     use brz_face_stress, only: add_face_stress
     use brz_friedlander, only: friedlander_impulse
     use brz_kinds, only: dp, int32, int64, rk
@@ -29,7 +29,7 @@ contains
     !@item
     !@cuf attributes(host,device) &
     pure subroutine own_carrier(c, own, first, id, place, owner)
-        integer, intent(in) :: c !! carriers of facets
+        integer, intent(in) :: c !! carriers of loaded segments
         integer, intent(in) :: own !! number of this process, from 1
         integer(int32), intent(in) :: first(*), id(*), place(*)
         integer(int32), intent(inout) :: owner(*)
@@ -38,11 +38,12 @@ contains
         if (place(id(first(c))) > 0) owner(c) = own
     end subroutine own_carrier
 
-    !> Mark the particles of this process to which facets of another one span, however far they are.
+    !> Mark the particles of this process to which loaded segments of another one span, however far
+    !> they are.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine mark_beside(c, row, own, first, beside, owner, place, sent, mark)
-        integer, intent(in) :: c !! carriers of facets
+        integer, intent(in) :: c !! carriers of loaded segments
         integer, intent(in) :: row !! marks of a process
         integer, intent(in) :: own !! number of this process, from 1
         integer(int32), intent(in) :: first(*), beside(4, *), owner(*)
@@ -87,13 +88,13 @@ contains
         load(1 + (i - 1)*stride_p + 2*stride_d) = real(m*az, rk)
     end subroutine begin_load
 
-    !> Add the pressures on the facets of a particle to its load.
+    !> Add the pressures on the loaded segments of a particle to its load.
     !@item if(n >= worth_threads/4) schedule(static)
     !@cuf attributes(host,device) &
     pure subroutine load_carrier(c, wide, stride_d, stride_p, stride_t, time, dt, first, id, of, &
                                  beside, mirror, width, most, side, wave, mean, place, x, fixed, &
                                  load, face_stress)
-        integer, intent(in) :: c !! carriers of facets
+        integer, intent(in) :: c !! carriers of loaded segments
         integer, intent(in) :: wide !! rows of x
         integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in load
         integer, intent(in) :: stride_t !! distance of particles in face_stress
@@ -140,7 +141,7 @@ contains
     !> Mean pressure of a blast over a step, reflected and incident part [Pa].
     !@cuf attributes(host,device) &
     pure function mean_of_wave(w, time, dt) result(p)
-        real(dp), intent(in) :: w(6) !! see facets_t
+        real(dp), intent(in) :: w(6) !! see loaded_segments_t
         real(dp), intent(in) :: time, dt !! [s]
         real(dp) :: p, t
 
@@ -151,10 +152,10 @@ contains
         p = p/dt
     end function mean_of_wave
 
-    !> Area of facet k, along its outward normal [m2].
+    !> Area of loaded segment k, along its outward normal [m2].
     !@cuf attributes(host,device) &
     pure subroutine area_of(k, i, wide, beside, mirror, width, most, side, place, x, area)
-        integer, intent(in) :: k, i !! facet, its particle
+        integer, intent(in) :: k, i !! loaded segment, its particle
         integer, intent(in) :: wide
         integer(int32), intent(in) :: beside(4, *), mirror(4, *)
         real(dp), intent(in) :: width(2, *), most(2, *)
@@ -222,4 +223,4 @@ contains
         push(5) = push(5) + (arm(3)*f(1) - arm(1)*f(3))
         push(6) = push(6) + (arm(1)*f(2) - arm(2)*f(1))
     end subroutine sum_load
-end module brz_facet_items
+end module brz_loaded_segment_items

@@ -1,38 +1,38 @@
 ! SPDX-License-Identifier: MIT
-!> The facets that carry pressure within and outside walls on layered lattices.
+!> The loaded segments that carry pressure within and outside walls on layered lattices.
 !>
-!> A particle of the first or last ring has a facet: from half way to its neighbours in the ring and
-!> along the axis. The surface of the shape lies half a layer off the ring, so facets are wider than
-!> the ring by their radii, and by 1/cos(pi/n): their edges then lie on that surface, and the push
-!> on half of the unloaded wall is pressure times diameter times length.
+!> A particle of the first or last ring has a loaded segment: from half way to its neighbours in the
+!> ring and along the axis. The surface of the shape lies half a layer off the ring, so loaded
+!> segments are wider than the ring by their radii, and by 1/cos(pi/n): their edges then lie on that
+!> surface, and the push on half of the unloaded wall is pressure times diameter times length.
 !>
 !> Source: docs/blast.md, loads without air
-module brz_wall_facets
+module brz_loaded_wall
     use brz_body, only: body_t
     use brz_body_shape, only: axis_of, layers_of, shape_t
     use brz_case, only: body_case_t
     use brz_face_load, only: lay_out
     use brz_kinds, only: dp
     use brz_layered_wall, only: ring_of, turned_place
-    use brz_loads, only: facets_t
+    use brz_loads, only: loaded_segments_t
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: find_wall_facets
+    public :: find_loaded_wall
 
     real(dp), parameter :: pi = acos(-1.0_dp)
 
 contains
 
-    !> Facets on the inside, the outside or both.
-    subroutine find_wall_facets(input, shape, faces, most, solid, body, facets)
+    !> Loaded segments on the inside, the outside or both.
+    subroutine find_loaded_wall(input, shape, faces, most, solid, body, segments)
         type(body_case_t), intent(in) :: input
         type(shape_t), intent(in) :: shape
         logical, intent(in) :: faces(2) !! inside, outside
-        real(dp), intent(in) :: most !! stretch of a facet that still carries more load
+        real(dp), intent(in) :: most !! stretch of a loaded segment that still carries more load
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        type(facets_t), intent(out) :: facets
+        type(loaded_segments_t), intent(out) :: segments
         integer, allocatable :: number(:, :) !! (round the axis, along it) of a ring's particles
         integer :: count, f, j, k, l, m, pass
 
@@ -46,19 +46,19 @@ contains
                         if (number(m, l) == 0) cycle
                         count = count + 1
                         if (pass == 1) cycle
-                        facets%id(count) = solid%id(number(m, l))
-                        call lay_facet(input, shape, f, m, l, number, facets, count)
-                        facets%most(:, count) = most*facets%most(:, count)
+                        segments%id(count) = solid%id(number(m, l))
+                        call lay_loaded_segment(input, shape, f, m, l, number, segments, count)
+                        segments%most(:, count) = most*segments%most(:, count)
                         do k = 1, 4
-                            j = facets%beside(k, count)
-                            if (j > 0) facets%beside(k, count) = solid%id(j)
+                            j = segments%beside(k, count)
+                            if (j > 0) segments%beside(k, count) = solid%id(j)
                         end do
                     end do
                 end do
             end do
-            if (pass == 1) call lay_out(facets, count)
+            if (pass == 1) call lay_out(segments, count)
         end do
-    end subroutine find_wall_facets
+    end subroutine find_loaded_wall
 
     !> Find the particles of the first or the last ring.
     subroutine number_ring(input, shape, f, solid, body, number)
@@ -86,41 +86,42 @@ contains
         number(n + 1, :) = number(1, :)
     end subroutine number_ring
 
-    !> Facet k: that of particle m in section l of a ring, its neighbours by their places. One
-    !> beyond a plane of symmetry is its own image; at an edge the span is that to the other one.
-    subroutine lay_facet(input, shape, f, m, l, number, facets, k)
+    !> Loaded segment k: that of particle m in section l of a ring, its neighbours by their places.
+    !> One beyond a plane of symmetry is its own image; at an edge the span is that to the other
+    !> one.
+    subroutine lay_loaded_segment(input, shape, f, m, l, number, segments, k)
         type(body_case_t), intent(in) :: input
         type(shape_t), intent(in) :: shape
         integer, intent(in) :: f, m, l, k !! f: 1: inside, 2: outside
         integer, intent(in) :: number(0:, 0:) !! see number_ring
-        type(facets_t), intent(inout) :: facets
+        type(loaded_segments_t), intent(inout) :: segments
         real(dp) :: place(3), radius, thick, wide(2)
         integer :: a, at, axis, n, step(2), t, up
 
         axis = axis_of(input)
         call ring_of(input, merge(1, layers_of(input), f == 1), radius, thick, n)
-        facets%side(k) = (2*f - 3)*(mod(axis, 3) + 1)
+        segments%side(k) = (2*f - 3)*(mod(axis, 3) + 1)
         wide = [merge(input%inner_radius, input%radius, f == 1)/(radius*cos(pi/n)), 1.0_dp]
-        facets%most(:, k) = [2*pi*radius/n, shape%spacing(axis)]
+        segments%most(:, k) = [2*pi*radius/n, shape%spacing(axis)]
         do t = 1, 2
-            facets%width(t, k) = 0
+            segments%width(t, k) = 0
             do up = 0, 1
                 at = 2*t - 1 + up
-                facets%beside(at, k) = 0
-                facets%mirror(at, k) = 0
+                segments%beside(at, k) = 0
+                segments%mirror(at, k) = 0
                 if (t == 2 .and. axis > shape%dimension) cycle
                 step = 0
                 step(t) = 1 - 2*up
-                facets%beside(at, k) = number(m + step(1), l + step(2))
-                if (facets%beside(at, k) == 0) then
+                segments%beside(at, k) = number(m + step(1), l + step(2))
+                if (segments%beside(at, k) == 0) then
                     place = turned_place(input, shape, radius, m + step(1), n, l + step(2))
                     a = findloc(shape%on_plane .and. place < 0, .true., 1)
                     if (a == 0) cycle
-                    facets%mirror(at, k) = a
+                    segments%mirror(at, k) = a
                 end if
-                facets%width(t, k) = facets%width(t, k) + 1
+                segments%width(t, k) = segments%width(t, k) + 1
             end do
-            if (facets%width(t, k) > 0) facets%width(t, k) = wide(t)/facets%width(t, k)
+            if (segments%width(t, k) > 0) segments%width(t, k) = wide(t)/segments%width(t, k)
         end do
-    end subroutine lay_facet
-end module brz_wall_facets
+    end subroutine lay_loaded_segment
+end module brz_loaded_wall

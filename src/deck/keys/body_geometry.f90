@@ -1,18 +1,18 @@
 ! SPDX-License-Identifier: MIT
 !> What the shape of a body is: its keys, the box around it, which points it holds, its volume.
 !>
-!> A shape is a file NAME_outline.f90 and a line of brz_outlines. What a shape does not say is that
-!> of a box. Lattices, planes of symmetry, cuts and checks follow from it for all shapes.
-module brz_outline
+!> A shape is a file NAME_outline.f90 and a line of brz_body_geometries. What a shape does not say
+!> is that of a box. Lattices, planes of symmetry, cuts and checks follow from it for all shapes.
+module brz_body_geometry
     use brz_case, only: body_case_t
     use brz_key, only: key_t
     use brz_kinds, only: dp
     use brz_text, only: to_text
     implicit none
     private
-    public :: outline_t, ball, centred, away, nothing_left, has_key, needs_key, fits_along
+    public :: body_geometry_t, ball, centred, away, nothing_left, has_key, needs_key, fits_along
 
-    type :: outline_t
+    type :: body_geometry_t
         character(12) :: name = ''
         character(48) :: needs = '' !! keys that must be given, one after the other
         character(48) :: takes = '' !! keys that may be given besides
@@ -25,7 +25,7 @@ module brz_outline
         procedure(point_within), pointer, nopass :: holds => null() !! null: all of that box
         procedure(volume_in), pointer, nopass :: volume => null() !! null: known elsewhere
         procedure(fault_of), pointer, nopass :: fault => null() !! null: none is possible
-    end type outline_t
+    end type body_geometry_t
 
     abstract interface
         !> True for a point of the box around a body that is more than `margin` inside the body;
@@ -101,30 +101,30 @@ contains
     end function away
 
     !> True for a key that a shape needs.
-    pure logical function needs_key(outline, key)
-        type(outline_t), intent(in) :: outline
+    pure logical function needs_key(geometry, key)
+        type(body_geometry_t), intent(in) :: geometry
         character(*), intent(in) :: key
 
-        needs_key = index(' '//outline%needs//' ', ' '//trim(key)//' ') > 0
+        needs_key = index(' '//geometry%needs//' ', ' '//trim(key)//' ') > 0
     end function needs_key
 
     !> True for a key that a shape needs, or may have.
-    pure logical function has_key(outline, key)
-        type(outline_t), intent(in) :: outline
+    pure logical function has_key(geometry, key)
+        type(body_geometry_t), intent(in) :: geometry
         character(*), intent(in) :: key
 
-        has_key = needs_key(outline, key) .or. &
-                  index(' '//outline%takes//' ', ' '//trim(key)//' ') > 0
+        has_key = needs_key(geometry, key) .or. &
+                  index(' '//geometry%takes//' ', ' '//trim(key)//' ') > 0
     end function has_key
 
     !> True where whole layers fill a body from side to side.
-    pure logical function fits_along(outline, body, a)
-        type(outline_t), intent(in) :: outline
+    pure logical function fits_along(geometry, body, a)
+        type(body_geometry_t), intent(in) :: geometry
         type(body_case_t), intent(in) :: body
         integer, intent(in) :: a !! direction
 
-        fits_along = outline%fits == 'all' .or. &
-                     outline%fits == 'axis' .and. a == index('xyz', body%axis)
+        fits_along = geometry%fits == 'all' .or. &
+                     geometry%fits == 'axis' .and. a == index('xyz', body%axis)
     end function fits_along
 
     !> Volume of a ball in so many dimensions.
@@ -140,4 +140,4 @@ contains
         case default; ball = 4*pi/3*radius**3
         end select
     end function ball
-end module brz_outline
+end module brz_body_geometry

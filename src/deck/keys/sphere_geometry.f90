@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Bodies of shape='sphere', which may be hollow.
-module brz_sphere_outline
+module brz_sphere_geometry
     use brz_case, only: body_case_t
     use brz_kinds, only: dp
-    use brz_outline, only: away, ball, centred, nothing_left, outline_t
+    use brz_body_geometry, only: away, ball, centred, nothing_left, body_geometry_t
     implicit none
     private
     public :: sphere
@@ -11,9 +11,10 @@ module brz_sphere_outline
 contains
 
     !> A ball, a disc in two dimensions.
-    pure type(outline_t) function sphere()
-        sphere = outline_t('sphere', needs='centre radius', takes='inner_radius', round=.true., &
-                           corners=corners, holds=holds, volume=volume, fault=nothing_left)
+    pure type(body_geometry_t) function sphere()
+        sphere = body_geometry_t('sphere', needs='centre radius', takes='inner_radius', &
+                           round=.true., corners=corners, holds=holds, volume=volume, &
+                           fault=nothing_left)
     end function sphere
 
     pure subroutine corners(body, lo, hi)
@@ -40,4 +41,4 @@ contains
 
         volume = ball(dimension, body%radius) - ball(dimension, body%inner_radius)
     end function volume
-end module brz_sphere_outline
+end module brz_sphere_geometry

@@ -8,7 +8,7 @@
 !> free of stress; the stress acts in the layer alone, and so exerts no torque. Point physics.
 !>
 !> Source: docs/solid.md section 3
-module brz_lone_layer
+module brz_membrane
     use brz_algebra, only: determinant3, inverse3
     use brz_kinds, only: rk
     implicit none
@@ -228,4 +228,4 @@ contains
             normal(i) = normal(i)/sqrt(largest)
         end do
     end subroutine find_normal
-end module brz_lone_layer
+end module brz_membrane

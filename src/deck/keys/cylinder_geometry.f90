@@ -1,19 +1,19 @@
 ! SPDX-License-Identifier: MIT
 !> Bodies of shape='cylinder', which may have a hole along the axis.
-module brz_cylinder_outline
+module brz_cylinder_geometry
     use brz_case, only: body_case_t
     use brz_kinds, only: dp
-    use brz_outline, only: away, ball, centred, nothing_left, outline_t
+    use brz_body_geometry, only: away, ball, centred, nothing_left, body_geometry_t
     implicit none
     private
     public :: cylinder
 
 contains
 
-    pure type(outline_t) function cylinder()
-        cylinder = outline_t('cylinder', needs='centre radius length axis', takes='inner_radius', &
-                             fits='axis', round=.true., corners=corners, holds=holds, &
-                             volume=volume, fault=nothing_left)
+    pure type(body_geometry_t) function cylinder()
+        cylinder = body_geometry_t('cylinder', needs='centre radius length axis', &
+                             takes='inner_radius', fits='axis', round=.true., corners=corners, &
+                             holds=holds, volume=volume, fault=nothing_left)
     end function cylinder
 
     pure subroutine corners(body, lo, hi)
@@ -48,4 +48,4 @@ contains
             volume = ball(dimension, body%radius) - ball(dimension, body%inner_radius)
         end if
     end function volume
-end module brz_cylinder_outline
+end module brz_cylinder_geometry
