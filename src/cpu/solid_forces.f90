@@ -145,7 +145,7 @@ contains
         integer :: i, l
 
         p%control = body%tensile_control > 0 .and. any(body%normal > 0)
-        if (body%drawn .and. .not. p%control) p%control = some_pair_held(solid, body, p)
+        if (body%in_tension .and. .not. p%control) p%control = some_pair_held(solid, body, p)
         do l = 1, lanes
             i = min(p%i + l - 1, p%last)
             p%row(l, :) = solid%pair(:, i)

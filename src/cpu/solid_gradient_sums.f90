@@ -20,7 +20,7 @@ module brz_solid_gradient_sums
 
     integer, parameter :: n_moment = 6, n_outer = 9
     ! kinds, by the number of sums
-    integer, parameter :: plain = at_x, bending = at_s, drawn = at_y, tilted = at_f, &
+    integer, parameter :: plain = at_x, bending = at_s, in_tension = at_y, tilted = at_f, &
                           curved = at_f + 1, referred = n_sums
 
 contains
@@ -43,7 +43,7 @@ contains
             q%x_ref = p%x
             call sum_neighbours(kind, q, x_ref, v, x, volume, h, list, sums)
         else
-            kind = merge(drawn, plain, any(p%drawn))
+            kind = merge(in_tension, plain, any(p%in_tension))
             if (p%formulation == form_bending) kind = bending
             if (any(abs(p%tilt) > 0)) kind = merge(curved, tilted, p%curved)
             call sum_neighbours(kind, p, x, v, x_ref, volume, h, list, sums)
@@ -62,7 +62,7 @@ contains
         select case (kind)
         case (plain); call sum_plain(p, x, v, x_ref, volume, h, list, sums)
         case (bending); call sum_bending(p, x, v, x_ref, volume, h, list, sums)
-        case (drawn); call sum_drawn(p, x, v, x_ref, volume, h, list, sums)
+        case (in_tension); call sum_drawn(p, x, v, x_ref, volume, h, list, sums)
         case (tilted); call sum_tilted(p, x, v, x_ref, volume, h, list, sums)
         case (curved); call sum_curved(p, x, v, x_ref, volume, h, list, sums)
         case (referred); call sum_referred(p, x, v, x_ref, volume, h, list, sums)
@@ -85,7 +85,7 @@ contains
 
     !> Also its moments, for the tensile control.
     subroutine sum_drawn(p, x, v, x_ref, volume, h, list, sums)
-        integer, parameter :: kind = drawn
+        integer, parameter :: kind = in_tension
 
         include 'solid_gradient_sums.inc'
     end subroutine sum_drawn

@@ -32,7 +32,7 @@ module brz_solid_gradients
     use brz_solid_lanes, only: lane_group_t, images_t, in_turn, most_images, place_body, &
                                place_group, place_images
     use brz_solid_state, only: solid_t
-    use brz_tensile_control, only: deviation, kappa_of, may_be_drawn
+    use brz_tensile_control, only: deviation, kappa_of, may_be_in_tension
     use brz_threads, only: worth_threads
     use brz_one_sided_arm, only: tilted_correction
     implicit none
@@ -56,16 +56,16 @@ contains
                 solid%search%bad(k) = 0
                 if (body%inactive .and. dt > 0) cycle
                 solid%search%limit(k) = huge(dt)
-                solid%search%drawn(k) = .false.
+                solid%search%in_tension(k) = .false.
                 call gradient_block(solid, body, dt, k)
             end associate
         end do
         solid%bodies%dt_limit = huge(dt)
-        solid%bodies%drawn = .false.
+        solid%bodies%in_tension = .false.
         do k = 1, size(solid%block, 2)
             associate (body => solid%bodies(solid%block(1, k)))
                 body%dt_limit = min(body%dt_limit, solid%search%limit(k))
-                body%drawn = body%drawn .or. solid%search%drawn(k)
+                body%in_tension = body%in_tension .or. solid%search%in_tension(k)
             end associate
         end do
         solid%dt_limit = minval(solid%bodies%dt_limit)
@@ -111,14 +111,14 @@ contains
             if (solid%fixed(first) == is_gone) exit ! and so are all that follow
             call place_group(solid, body, first, p)
             call tilt_group(solid, body, p)
-            call find_drawn(solid, body, p)
+            call find_tension(solid, body, p)
             call sum_group(solid, body, p, group)
             do i = first, p%last
                 if (solid%fixed(i) == is_gone) cycle
                 sums = group(i - first + 1, :)
                 solid%pair(pair_tilt, i) = p%tilt(i - first + 1)
                 if (solid%links%bonds) call add_bonded_gradients(solid, i, sums)
-                call advance(solid, body, rules, dt, i, k, p%drawn(i - first + 1), sums)
+                call advance(solid, body, rules, dt, i, k, p%in_tension(i - first + 1), sums)
             end do
         end do
     end subroutine gradient_block
@@ -142,18 +142,18 @@ contains
     end subroutine tilt_group
 
     !> Which of a group may need the tensile control: what was in tension before the step.
-    pure subroutine find_drawn(solid, body, p)
+    pure subroutine find_tension(solid, body, p)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(lane_group_t), intent(inout) :: p
         integer :: l
 
-        p%drawn = .false.
+        p%in_tension = .false.
         if (.not. body%tensile_control > 0) return
         do l = 1, p%last - p%i + 1
-            p%drawn(l) = may_be_drawn(solid%stress(:, p%i + l - 1))
+            p%in_tension(l) = may_be_in_tension(solid%stress(:, p%i + l - 1))
         end do
-    end subroutine find_drawn
+    end subroutine find_tension
 
     !> Sums over the neighbours of a group and over their images, one after the other.
     subroutine sum_group(solid, body, p, sums)
@@ -180,13 +180,13 @@ contains
     end subroutine sum_group
 
     !> From the sums to the new state of particle i and its row of `pair`.
-    subroutine advance(solid, body, rules, dt, i, k, drawn, sums)
+    subroutine advance(solid, body, rules, dt, i, k, in_tension, sums)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         type(row_rules_t), intent(in) :: rules !! of the body
         real(dp), intent(in) :: dt
         integer, intent(in) :: i, k !! particle and its block
-        logical, intent(in) :: drawn !! it was in tension
+        logical, intent(in) :: in_tension !! it was in tension
         real(rk), intent(inout) :: sums(n_terms)
         real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), f(3, 3), c_wave, c_bulk, rho
         real(rk) :: shrink, size, normal(3)
@@ -253,9 +253,9 @@ contains
         if (body%directional) call stiffen_along(body%axes(:, :, solid%ply(i)), left_of( &
             solid, body, i), solid%k_axes(:, i), solid%pair(:, i))
         if (.not. body%tensile_control > 0) return
-        call hold_particle(solid, body, i, drawn, a, sums(at_s + 1:at_y), &
+        call hold_particle(solid, body, i, in_tension, a, sums(at_s + 1:at_y), &
                            sum(sums(:solid%dimension)))
-        if (solid%control(control_stiffness, i) > 0) solid%search%drawn(k) = .true.
+        if (solid%control(control_stiffness, i) > 0) solid%search%in_tension(k) = .true.
     end subroutine advance
 
     !> Record the work of the stress that a load brings to faces: it is work of the load. The air
@@ -349,11 +349,11 @@ contains
 
     !> The tensile control of particle i: nothing where it was not in tension or has lost its
     !> support.
-    subroutine hold_particle(solid, body, i, drawn, a, s, trace)
+    subroutine hold_particle(solid, body, i, in_tension, a, s, trace)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
-        logical, intent(in) :: drawn
+        logical, intent(in) :: in_tension
         real(rk), intent(in) :: a(3, 3) !! dX/dx
         real(rk), intent(in) :: s(6), trace !! see deviation
         real(rk) :: f(3, 3), q, mu, there
@@ -362,11 +362,11 @@ contains
         q = 0
         f = 0
         there = 0
-        if (drawn .and. solid%unsupported(i) == 0) then
+        if (in_tension .and. solid%unsupported(i) == 0) then
             call inverse3(a, f, ok)
             if (.not. ok) solid%unsupported(i) = 1
         end if
-        if (drawn .and. solid%unsupported(i) == 0) then
+        if (in_tension .and. solid%unsupported(i) == 0) then
             q = deviation(solid%dimension, f, s, trace)
             there = trace
         end if

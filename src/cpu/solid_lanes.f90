@@ -57,7 +57,7 @@ module brz_solid_lanes
         real(rk) :: normals(lanes, 3) = 0 !! of its members, in a curved wall
         real(rk), allocatable :: there(:, :) !! the same of their neighbours, for pass 2
         real(rk) :: tilt(lanes) = 0 !! for pass 1 [1/m]
-        logical :: drawn(lanes) = .false. !! for pass 1: was in tension
+        logical :: in_tension(lanes) = .false. !! for pass 1: was in tension
         logical :: control = .false. !! for pass 2: some pair has the tensile control
         real(rk) :: row(lanes, n_pair) = 0 !! for pass 2, see brz_pair_layout
         real(rk) :: own(lanes, n_control) = 0 !! the same, the tensile control

@@ -9,7 +9,7 @@ module brz_solid_motion
     use brz_solid_arrays, only: group_of
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: solid_t
-    use brz_tensile_control, only: may_be_drawn
+    use brz_tensile_control, only: may_be_in_tension
     use brz_threads, only: worth_threads
     implicit none
     private
@@ -87,8 +87,8 @@ contains
                     if (solid%unsupported(i) == 1) cycle
                     ! no tensile control that could end, and no tilt
                     if (body%tensile_control > 0) then
-                        if (.not. (may_be_drawn(solid%stress(:, i)) .or. is_tilted(solid, i))) &
-                            cycle
+                        if (.not. (may_be_in_tension(solid%stress(:, i)) .or. &
+                            is_tilted(solid, i))) cycle
                     end if
                     if (count_intact(solid, solid%block(1, k), i, fails) &
                         < intact_share*solid%support(i)) solid%unsupported(i) = 1_int8

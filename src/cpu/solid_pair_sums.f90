@@ -11,7 +11,7 @@ module brz_solid_pair_sums
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, real32, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, jump_speed, &
-                              metric_square, most_bent, most_drawn, stress_force, viscous_force
+                              metric_square, most_bent, most_in_tension, stress_force, viscous_force
     use brz_pair_layout, only: n_pair, pair_affine, pair_keep, pair_linear, pair_quadratic, &
         pair_stress, pair_tilt, pair_volume, pair_zeta
     use brz_particle_groups, only: lanes
@@ -33,13 +33,13 @@ contains
 
     !> Add the forces of the particles of a list to p%sums, by the loop that has just those of the
     !> body.
-    subroutine add_pairs(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+    subroutine add_pairs(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         type(lane_group_t), intent(inout) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
         real(rk), intent(in) :: v(3, *), pair(n_pair, *), h(*)
         integer(int32), intent(in) :: list(*)
         real(real32), intent(in), optional :: k_axes(6, *) !! only with a stiffness along axes
-        real(rk), intent(in), optional :: drawn(n_control, *) !! only with the tensile control
+        real(rk), intent(in), optional :: in_tension(n_control, *) !! only with the tensile control
         integer :: kind
 
         kind = plain
@@ -51,108 +51,109 @@ contains
         if (p%jumps) kind = merge(kind, viscous, p%control) + 1
         if (p%control .and. p%curved) call find_normals(p, x_ref, list)
         select case (kind)
-        case (plain); call sum_plain(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        case (viscous); call sum_viscous(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        case (viscous_jump); call sum_viscous_jump(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        case (control); call sum_held(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        case (held_jump); call sum_held_jump(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        case (plate); call sum_plate(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        case (plate_jump); call sum_plate_jump(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        case (wall); call sum_wall(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        case (wall_jump); call sum_wall_jump(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        case (stiff); call sum_stiff(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        case (total); call sum_total(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        case (axial); call sum_axial(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        case (wide); call sum_wide(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+        case (plain); call sum_plain(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
+        case (viscous); call sum_viscous(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
+        case (viscous_jump); call sum_viscous_jump(p, x, v, x_ref, pair, h, list, k_axes, &
+            in_tension)
+        case (control); call sum_held(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
+        case (held_jump); call sum_held_jump(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
+        case (plate); call sum_plate(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
+        case (plate_jump); call sum_plate_jump(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
+        case (wall); call sum_wall(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
+        case (wall_jump); call sum_wall_jump(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
+        case (stiff); call sum_stiff(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
+        case (total); call sum_total(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
+        case (axial); call sum_axial(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
+        case (wide); call sum_wide(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         end select
     end subroutine add_pairs
 
     !> Stress and viscosity alone.
-    subroutine sum_plain(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+    subroutine sum_plain(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         integer, parameter :: kind = plain
 
         include 'solid_pair_sums.inc'
     end subroutine sum_plain
 
     !> Also the viscous hourglass force.
-    subroutine sum_viscous(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+    subroutine sum_viscous(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         integer, parameter :: kind = viscous
 
         include 'solid_pair_sums.inc'
     end subroutine sum_viscous
 
     !> The same with a viscosity that sees jumps alone.
-    subroutine sum_viscous_jump(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+    subroutine sum_viscous_jump(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         integer, parameter :: kind = viscous_jump
 
         include 'solid_pair_sums.inc'
     end subroutine sum_viscous_jump
 
     !> Also the viscous hourglass force, and the tensile control.
-    subroutine sum_held(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+    subroutine sum_held(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         integer, parameter :: kind = control
 
         include 'solid_pair_sums.inc'
     end subroutine sum_held
 
     !> The same with a viscosity that sees jumps alone.
-    subroutine sum_held_jump(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+    subroutine sum_held_jump(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         integer, parameter :: kind = held_jump
 
         include 'solid_pair_sums.inc'
     end subroutine sum_held_jump
 
     !> As control, and tilts: plates.
-    subroutine sum_plate(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+    subroutine sum_plate(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         integer, parameter :: kind = plate
 
         include 'solid_pair_sums.inc'
     end subroutine sum_plate
 
     !> The same with a viscosity that sees jumps alone.
-    subroutine sum_plate_jump(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+    subroutine sum_plate_jump(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         integer, parameter :: kind = plate_jump
 
         include 'solid_pair_sums.inc'
     end subroutine sum_plate_jump
 
     !> As plate, in curved walls.
-    subroutine sum_wall(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+    subroutine sum_wall(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         integer, parameter :: kind = wall
 
         include 'solid_pair_sums.inc'
     end subroutine sum_wall
 
     !> The same with a viscosity that sees jumps alone.
-    subroutine sum_wall_jump(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+    subroutine sum_wall_jump(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         integer, parameter :: kind = wall_jump
 
         include 'solid_pair_sums.inc'
     end subroutine sum_wall_jump
 
     !> The stiff hourglass force.
-    subroutine sum_stiff(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+    subroutine sum_stiff(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         integer, parameter :: kind = stiff
 
         include 'solid_pair_sums.inc'
     end subroutine sum_stiff
 
     !> The same in total-Lagrangian bodies: X_ij weighs the pairs and Piola's stress acts along it.
-    subroutine sum_total(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+    subroutine sum_total(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         integer, parameter :: kind = total
 
         include 'solid_pair_sums.inc'
     end subroutine sum_total
 
     !> As stiff, along the axes of the material, and tilts.
-    subroutine sum_axial(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+    subroutine sum_axial(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         integer, parameter :: kind = axial
 
         include 'solid_pair_sums.inc'
     end subroutine sum_axial
 
     !> The same in total-Lagrangian bodies, in the metric of their lattice.
-    subroutine sum_wide(p, x, v, x_ref, pair, h, list, k_axes, drawn)
+    subroutine sum_wide(p, x, v, x_ref, pair, h, list, k_axes, in_tension)
         integer, parameter :: kind = wide
 
         include 'solid_pair_sums.inc'

@@ -112,7 +112,7 @@ contains
         gpu%slices = (gpu%last - gpu%first)/slice_width + 1
         gpu%total = params%formulation == form_total
         gpu%rigid = params%formulation == form_rigid
-        gpu%drawn = params%tensile_control > 0
+        gpu%in_tension = params%tensile_control > 0
         gpu%layer = params%layer > 0
         gpu%reach = solid%bodies(b)%face_share*real(solid%bodies(b)%spacing, rk)
         gpu%density = material%density

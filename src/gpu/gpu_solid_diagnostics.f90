@@ -108,7 +108,7 @@ contains
             if (gpu%linked) account%contact = diag(diag_contact)
             account%contact_heat = before%contact_heat + diag(diag_contact_heat)
             account%friction = before%friction + diag(diag_rub)
-            if (gpu%bodies(b)%drawn) then
+            if (gpu%bodies(b)%in_tension) then
                 account%hourglass = diag(diag_stiff)
             else if (solid%bodies(b)%artificial == artificial_none) then
                 account%hourglass = before%hourglass + before%ahead + diag(diag_stiff) - &
@@ -212,7 +212,7 @@ contains
             if (gone == 0) return
             call clear_buffer(from(gpu%rate, at), err, 8_int64*gone)
             columns = [diag_ahead, diag_early]
-            if (gpu%bodies(b)%drawn) columns = [columns, diag_stiff]
+            if (gpu%bodies(b)%in_tension) columns = [columns, diag_stiff]
             if (solid%bodies(b)%motion%n > 0) columns = [columns, diag_force + [1, 2, 3]]
             do c = 1, size(columns)
                 call clear_buffer(from(diag_of(gpu, columns(c)), at), err, 8_int64*gone)

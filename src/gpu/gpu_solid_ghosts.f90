@@ -6,7 +6,7 @@ module brz_gpu_solid_ghosts
     use brz_errors, only: error_t
     use brz_face_layout, only: n_face
     use brz_rows, only: rows_t, rows_of => rows_of_copy
-    use brz_gpu_solid_layout, only: at_damage, flag_drawn
+    use brz_gpu_solid_layout, only: at_damage, flag_tension
     use brz_gpu_solid_state, only: column_of, words_of_real
     use brz_solid_device, only: solid_device_t
     use brz_kinds, only: int64
@@ -88,8 +88,8 @@ contains
         else
             call gpu%ghosts%refresh(gpu%left(:n), err)
         end if
-        if (any(gpu%bodies%drawn)) call copy_in([1], &
-            from(gpu%flags, int(flag_drawn, int64)), 4_int64, err)
+        if (any(gpu%bodies%in_tension)) call copy_in([1], &
+            from(gpu%flags, int(flag_tension, int64)), 4_int64, err)
     end subroutine refresh_rows
 
     !> Pressures of contact.

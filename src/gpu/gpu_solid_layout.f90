@@ -34,8 +34,8 @@ module brz_gpu_solid_layout
               diag_force, diag_early, diag_contact_early, diag_contact, diag_contact_heat, &
               diag_rub, diag_load, n_diag
     public :: at_heat, at_friction, at_drag, at_stiff, at_work, n_terms
-    public :: pass_drawn, pass_deviation, pass_trace
-    public :: flag_bad, flag_drawn, n_flag, slice_width, mask_unit
+    public :: pass_tension, pass_deviation, pass_trace
+    public :: flag_bad, flag_tension, n_flag, slice_width, mask_unit
 
     ! columns of `diag`, since the GPU took over [J, N s]; the place of a particle, not the
     ! particle, keeps them
@@ -54,13 +54,13 @@ module brz_gpu_solid_layout
     integer, parameter :: n_diag = 16
 
     integer, parameter :: flag_bad = 1 !! a particle has an impossible state
-    integer, parameter :: flag_drawn = 2 !! the tensile control acts on a particle
+    integer, parameter :: flag_tension = 2 !! the tensile control acts on a particle
     integer, parameter :: n_flag = 2 !! behind them, body by body, a flag for each level of motion
                                      !! that some particle has reached, see brz_list_drift
 
     ! `held` in pass 1: 1 beside S if the particle was in tension, else 0; then what it deviates,
     ! and the trace of M
-    integer, parameter :: pass_drawn = 7, pass_deviation = 11, pass_trace = 10
+    integer, parameter :: pass_tension = 7, pass_deviation = 11, pass_trace = 10
 
     ! Lists: entry k of particle t of a body, both from 1, is entry
     ! (slice((t - 1)/w + 1) + k - 1)*w + mod(t - 1, w) + 1, w = slice_width: threads side by side

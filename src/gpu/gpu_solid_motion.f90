@@ -60,7 +60,8 @@ contains
 
         do b = 1, size(gpu%bodies)
             if (.not. anew(b)) cycle
-            if (solid%bodies(b)%formulation /= form_bending .and. .not. gpu%bodies(b)%drawn) cycle
+            if (solid%bodies(b)%formulation /= form_bending .and. .not. gpu%bodies(b)%in_tension) &
+                cycle
             associate (body => gpu%bodies(b))
                 call solid_kernels%solid_end_support(threads_of(body), gpu%stride_d, body%params, &
                     intact_share, body%slice, gpu%count, body%list, gpu%reference, gpu%state, &

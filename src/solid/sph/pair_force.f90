@@ -11,13 +11,14 @@ module brz_pair_force
     implicit none
     private
     public :: stress_force, viscous_force, jump_speed, hourglass_viscous, hourglass_stiff, &
-              hourglass_axial, axial_stiffness, metric_square, overstretched, most_bent, most_drawn
+              hourglass_axial, axial_stiffness, metric_square, overstretched, most_bent, &
+              most_in_tension
 
     real(rk), parameter :: jumps = 3 !! see jump_speed
 
     ! a pair beyond these stretches, or below their inverse, is let go
     real(rk), parameter :: most_bent = 1.6_rk !! by what holds elastic bodies and plies together
-    real(rk), parameter :: most_drawn = 3 !! by the tensile control
+    real(rk), parameter :: most_in_tension = 3 !! by the tensile control
 
 contains
 
@@ -113,7 +114,7 @@ contains
     !> bodies, or K of brz_tensile_control.
     !@cuf attributes(host,device) &
     pure subroutine hourglass_stiff(most, y, z, pi, pj, x_ref, r, f)
-        real(rk), intent(in) :: most !! stretch of a pair that is held, most_bent or most_drawn
+        real(rk), intent(in) :: most !! stretch of a pair that is held, most_bent or most_in_tension
         real(rk), intent(in) :: y !! w times what damage leaves of it
         real(rk), intent(in) :: z !! sum of the stiffnesses of the two particles [Pa]
         real(rk), intent(in) :: pi(9), pj(9) !! their stiffness times deformation dx/dX [Pa]

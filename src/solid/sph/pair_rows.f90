@@ -8,7 +8,7 @@ module brz_pair_rows
     use brz_hold_layout, only: control_affine, control_stiffness, control_whole, n_control
     use brz_kernel, only: kernel_shape
     use brz_kinds, only: real32, rk
-    use brz_pair_force, only: hourglass_stiff, hourglass_viscous, most_drawn, stress_force
+    use brz_pair_force, only: hourglass_stiff, hourglass_viscous, most_in_tension, stress_force
     use brz_pair_layout, only: n_pair, pair_affine, pair_stress, pair_zeta
     implicit none
     private
@@ -50,7 +50,7 @@ contains
             q(t) = other(control_affine + t)
         end do
         call mirror_tensor(s, q)
-        call hourglass_stiff(most_drawn, y*own(control_whole)*other(control_whole), &
+        call hourglass_stiff(most_in_tension, y*own(control_whole)*other(control_whole), &
                              own(control_stiffness) + other(control_stiffness), &
                              own(control_affine + 1), q, dx, r, g)
         work = dot_product(g, dv)

@@ -15,7 +15,8 @@ module brz_tensile_control
     use brz_kinds, only: rk
     implicit none
     private
-    public :: largest_tension, may_be_drawn, deviation, stiffness_of_control, kappa_of, kept_work
+    public :: largest_tension, may_be_in_tension, deviation, stiffness_of_control, kappa_of, &
+        kept_work
 
     real(rk), parameter :: open = 0.05_rk !! expansion to which all is held; gone at twice that
     real(rk), parameter :: more_lifted = 2 !! of the tensile control at faces with a lift
@@ -37,14 +38,14 @@ contains
     !> False where no principal stress can be a tension. Sums that only the tensile control needs
     !> are made for particles that may be drawn before a step.
     !@cuf attributes(host,device) &
-    pure function may_be_drawn(t) result(yes)
+    pure function may_be_in_tension(t) result(yes)
         real(rk), intent(in) :: t(6) !! see mean_and_mises
         logical :: yes
         real(rk) :: mean, q
 
         call mean_and_mises(t, mean, q)
         yes = mean + 2*q/3 > 0
-    end function may_be_drawn
+    end function may_be_in_tension
 
     !> Largest principal tension, 0 in compression: mean + 2/3 q cos(arccos(27 J3/(2 q^3))/3).
     !@cuf attributes(host,device) &

@@ -30,7 +30,7 @@ module brz_body
         integer :: group = 1 !! its first group of particles
         logical :: variable = .false. !! smoothing length follows the density
         real(rk) :: zeta = 2, zeta_viscous = 0
-        logical :: drawn = .false. !! in this step something of it is held
+        logical :: in_tension = .false. !! in this step something of it is held
         integer :: limiter = 0 !! of the viscosity in shear, see brz_gradient
         logical :: directional = .false. !! hourglass stiffness along the axes of the material
         real(rk), allocatable :: axes(:, :, :) !! (3, 4, 0:plies) unloaded axes of it, column by

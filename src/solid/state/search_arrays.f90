@@ -18,7 +18,7 @@ module brz_search_arrays
         logical, allocatable :: chosen(:) !! (groups) whose lists are built anew
         real(dp), allocatable :: sums(:, :) !! (sums, blocks) partial sums of a pass
         real(dp), allocatable :: limit(:) !! (blocks) largest stable time step [s]
-        logical, allocatable :: drawn(:) !! (blocks) some particle is held
+        logical, allocatable :: in_tension(:) !! (blocks) some particle is held
         integer, allocatable :: bad(:) !! (blocks) first particle with an impossible state, 0: none
     end type search_t
 end module brz_search_arrays

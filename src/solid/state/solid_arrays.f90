@@ -99,12 +99,12 @@ contains
         n = sum((solid%bodies%last - solid%bodies%first + block_size)/block_size)
         if (allocated(solid%block)) then
             if (size(solid%block, 2) /= n) deallocate (solid%block, solid%search%sums, &
-                solid%search%limit, solid%search%drawn, solid%search%bad)
+                solid%search%limit, solid%search%in_tension, solid%search%bad)
         end if
         if (.not. allocated(solid%block)) &
             allocate (solid%block(3, n), solid%search%sums(n_sum, n), solid%search%limit(n), &
-                  solid%search%drawn(n), solid%search%bad(n))
-        solid%search%drawn = .false.
+                  solid%search%in_tension(n), solid%search%bad(n))
+        solid%search%in_tension = .false.
         n = 0
         do b = 1, size(solid%bodies)
             do i = solid%bodies(b)%first, solid%bodies(b)%last, block_size

@@ -34,7 +34,7 @@ module brz_solid_device
         integer :: room = 0 !! places for both
         logical :: total = .false. !! total-Lagrangian
         logical :: rigid = .false.
-        logical :: drawn = .false. !! has the tensile control
+        logical :: in_tension = .false. !! has the tensile control
         logical :: layer = .false. !! a single layer, see brz_membrane
         real(rk) :: reach = 0 !! of faces in contact, see strain_face [m]
         real(rk) :: density = 0 !! unloaded [kg/m3]

@@ -61,7 +61,7 @@ contains
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
                 if (.not. body%tensile_control > 0) cycle ! what lies in its rows means nothing
-                body%drawn = body%drawn .or. any(solid%control(control_stiffness, &
+                body%in_tension = body%in_tension .or. any(solid%control(control_stiffness, &
                                                             body%last + 1:body%rim) > 0)
             end associate
         end do
