@@ -10,7 +10,7 @@ module brz_motion_steps
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
     use brz_motion_loops, only: for_each_drift_particle, for_each_note_particle
-    use brz_move_level, only: move_levels
+    use brz_skin_level, only: skin_levels
     use brz_solid_diagnostics, only: begin_kick, record_work
     use brz_solid_state, only: solid_t
     use brz_errors, only: error_t
@@ -48,7 +48,7 @@ contains
                 end if
                 ! such a body keeps its list
                 if (body%formulation == form_total .and. .not. solid%links%present) &
-                    unit = sqrt(huge(dt))/(2*move_levels)
+                    unit = sqrt(huge(dt))/(2*skin_levels)
                 call for_each_drift_particle(solid%on_gpu, n, b, there%first, solid%wide, &
                     solid%stride_d, solid%stride_p, real((solid%dt_last + dt)/2, rk), dt, &
                     merge(1, 0, allocated(solid%load)), unit, body%drift(1), body%drift(2), &

@@ -9,7 +9,7 @@ module brz_solid_steps
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: drift_bodies, find_stale
     use brz_motion_steps, only: find_levels, kick_bodies
-    use brz_move_level, only: lost_level
+    use brz_skin_level, only: lost_level
     use brz_ranks, only: most_of_all
     use brz_rigid_steps, only: balance_rigid, move_rigid, settle_drag, sum_pushes
     use brz_solid_backend, only: break_bonds, contact_pass, end_support, exchange_motion, &

@@ -19,7 +19,7 @@ module brz_gpu_solid_state
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: n_press
     use brz_links, only: links_t
-    use brz_move_level, only: lost_level
+    use brz_skin_level, only: lost_level
     use brz_pair_layout, only: n_pair
     use brz_present_table, only: attach, attach_bytes
     use brz_rows, only: rows_of_copy

@@ -4,7 +4,7 @@
 module brz_drift_items
     use brz_cell_places, only: cell_along
     use brz_kinds, only: dp, int32, rk
-    use brz_move_level, only: level_of, renewed_level
+    use brz_skin_level, only: level_of, renewed_level
     use brz_particle_marks, only: is_gone
     implicit none
     private

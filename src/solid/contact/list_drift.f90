@@ -8,7 +8,7 @@
 !> e <= skin/2. Links between bodies a and b were built for a at x_built + S, where S was D_a - D_b
 !> at that time. They last while e_a + e_b + |D_a - D_b - S| <= skin, and longer by what the boxes
 !> around the two were further apart than links reach. Along the normal of a plane of symmetry
-!> nothing drifts: images move the other way. e is known in levels, see brz_move_level.
+!> nothing drifts: images move the other way. e is known in levels, see brz_skin_level.
 !>
 !> Where few particles of a body have moved far (an impact on a large plate, fragments), only the
 !> lists near these are built anew: they get new places x_built = x - D, all others keep theirs.
@@ -21,7 +21,7 @@ module brz_list_drift
     use brz_interaction, only: law_none
     use brz_kept_cells, only: kept_cells_t
     use brz_kinds, only: dp, int64
-    use brz_move_level, only: move_levels, renewed_level
+    use brz_skin_level, only: skin_levels, renewed_level
     use brz_ranks, only: several
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: solid_t
@@ -39,7 +39,7 @@ contains
     pure real(dp) function level_unit(solid)
         type(solid_t), intent(in) :: solid
 
-        level_unit = solid%skin/(2*move_levels)
+        level_unit = solid%skin/(2*skin_levels)
     end function level_unit
 
     !> Let the bodies drift over a step.
@@ -64,7 +64,7 @@ contains
         logical, intent(out) :: relink
         integer :: a, b
 
-        stale = level >= move_levels
+        stale = level >= skin_levels
         relink = .false.
         if (solid%links%present) then
             do b = 1, size(solid%bodies)

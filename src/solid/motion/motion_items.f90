@@ -4,7 +4,7 @@
 module brz_motion_items
     use brz_kernel, only: smoothing_length
     use brz_kinds, only: dp, int32, rk
-    use brz_move_level, only: level_of, lost_level
+    use brz_skin_level, only: level_of, lost_level
     use brz_pair_layout, only: n_pair, pair_spin, pair_volume
     use brz_particle_marks, only: is_gone, is_fixed
     use brz_rigid_pose, only: pose_t, spin_at

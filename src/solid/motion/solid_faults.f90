@@ -3,7 +3,7 @@
 module brz_solid_faults
     use brz_errors, only: error_t, exit_numerical, raise
     use brz_kinds, only: dp, int64, rk
-    use brz_move_level, only: lost_level
+    use brz_skin_level, only: lost_level
     use brz_ranks, only: reduce_errors, several
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
@@ -44,7 +44,7 @@ contains
     !> know the levels.
     subroutine report_lost(solid, level, err)
         type(solid_t), intent(in) :: solid
-        integer(int64), intent(in) :: level(:) !! (bodies) of motion, see brz_move_level
+        integer(int64), intent(in) :: level(:) !! (bodies) of motion, see brz_skin_level
         type(error_t), intent(inout) :: err
         integer :: b
 

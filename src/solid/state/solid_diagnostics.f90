@@ -6,7 +6,7 @@ module brz_solid_diagnostics
     use brz_exact_sum, only: exact_sums
     use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
-    use brz_move_level, only: lost_level
+    use brz_skin_level, only: lost_level
     use brz_ranks, only: several
     use brz_solid_state, only: solid_t
     use brz_threads, only: worth_threads

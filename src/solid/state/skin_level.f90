@@ -2,17 +2,17 @@
 !> The check of the Verlet skin: how far a particle has moved relative to its body since its list
 !> was built, in levels. Point physics.
 !>
-!> Level k says that it is between k and k + 1 units, that of `move_levels` that the list has had
+!> Level k says that it is between k and k + 1 units, that of `skin_levels` that the list has had
 !> its time, and `lost_level` that its place is no number.
-module brz_move_level
+module brz_skin_level
     use brz_kinds, only: dp
     implicit none
     private
-    public :: move_levels, renewed_level, lost_level, level_of
+    public :: skin_levels, renewed_level, lost_level, level_of
 
-    integer, parameter :: move_levels = 8
-    integer, parameter :: lost_level = move_levels + 1
-    integer, parameter :: renewed_level = move_levels/2 !! from which a particle gets a new place
+    integer, parameter :: skin_levels = 8
+    integer, parameter :: lost_level = skin_levels + 1
+    integer, parameter :: renewed_level = skin_levels/2 !! from which a particle gets a new place
 
 contains
 
@@ -25,10 +25,10 @@ contains
         level = 0
         if (.not. e2 <= huge(e2)) then
             level = lost_level
-        else if (e2 > (move_levels*unit)*(move_levels*unit)) then
-            level = move_levels
+        else if (e2 > (skin_levels*unit)*(skin_levels*unit)) then
+            level = skin_levels
         else if (e2 > 0) then
-            level = min(int(sqrt(e2)/unit), move_levels - 1)
+            level = min(int(sqrt(e2)/unit), skin_levels - 1)
         end if
     end function level_of
-end module brz_move_level
+end module brz_skin_level
