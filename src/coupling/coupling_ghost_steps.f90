@@ -7,7 +7,7 @@ module brz_coupling_ghost_steps
     use brz_coupling_part, only: introduce, list_now, may_have_come
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t
-    use brz_coupling_ghost_loops, only: for_each_mark_guest, for_each_miss_guest, for_each_take_load
+    use brz_coupling_ghost_loops, only: for_each_mark_coupling_ghost, for_each_miss_coupling_ghost, for_each_take_load
     use brz_kinds, only: int64
     use brz_lists, only: at_least, clear_reals, put_list, room_of
     use brz_message_exchange, only: tell_all
@@ -41,7 +41,7 @@ contains
                                         c%part%seat, c%ghosts%v_before, err)
             call send_coupling_ghosts(solid, c, .false., err)
             if (may_have_come(solid, c%part%since, c%box%whole, c%box%dx)) then
-                call for_each_miss_guest(c%on_gpu, solid%n, solid%n, size(solid%bodies), &
+                call for_each_miss_coupling_ghost(c%on_gpu, solid%n, solid%n, size(solid%bodies), &
                                          c%part%bodies_at, c%ranks%n, c%part%halos_at, c%box, &
                                          solid%wide, solid%x, solid%fixed, c%part%listed%mark, &
                                          missed, err)
@@ -81,7 +81,7 @@ contains
             call put_list(c%on_gpu, [(solid%bodies(b)%first, solid%bodies(b)%last, &
                                       b=1, size(out, 1))], part%bodies_at, err)
             call reserve_marks(c%on_gpu, n, boxes, part%listed, err)
-            call for_each_mark_guest(c%on_gpu, n, n, size(out, 1), part%bodies_at, boxes, &
+            call for_each_mark_coupling_ghost(c%on_gpu, n, n, size(out, 1), part%bodies_at, boxes, &
                                      part%near_at, c%box, solid%wide, solid%x, solid%fixed, &
                                      part%listed%mark, err)
             call count_marks(c%on_gpu, n, solid%bodies%first, part%listed, out, err)

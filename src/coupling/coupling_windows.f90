@@ -31,7 +31,7 @@ contains
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
-        if (c%on_gpu) call c%device%window%offer_reals(air%grid%apart, air%device%u, err)
+        if (c%on_gpu) call c%device%coupling_halo%offer_reals(air%grid%apart, air%device%u, err)
     end subroutine offer_window
 
     !> Bring the gas and the cell stores in the halo of this process up to date.
@@ -45,9 +45,9 @@ contains
             call fetch(air%part%ranks, air%part%coupling_halo, air%n_var, air%before + 1 - air%g, &
                        air%before + air%n + air%g, air%u)
         else if (met) then
-            call c%device%window%take_reals(air%grid%apart, air%device%u, .true., err)
+            call c%device%coupling_halo%take_reals(air%grid%apart, air%device%u, .true., err)
         else
-            call c%device%window%reals_of_others(air%grid%apart, air%device%u, err)
+            call c%device%coupling_halo%reals_of_others(air%grid%apart, air%device%u, err)
         end if
     end subroutine see_halo
 
@@ -75,7 +75,7 @@ contains
         c%ghosts%stride_p = 1
         c%ghosts%stride_t = 1
         held = cells_t(air%before + 1 - air%g, air%before + air%n + air%g)
-        call c%device%window%open(air%part%ranks, air%part%coupling_halo, held, air%n_var, err)
+        call c%device%coupling_halo%open(air%part%ranks, air%part%coupling_halo, held, air%n_var, err)
         if (.not. any(c%box%wraps)) call map_blocks(c, air%part%coupling_halo, held, err)
         allocate (nothing%place(0), nothing%first(0:air%part%ranks%n))
         nothing%first = 1
@@ -90,7 +90,7 @@ contains
         type(cells_t), intent(in) :: held !! cells of the arrays of the air
         type(error_t), intent(inout) :: err
 
-        associate (window => c%device%window, n => c%ranks%n)
+        associate (window => c%device%coupling_halo, n => c%ranks%n)
             call reserve_buffer(window%near, int(always_near + n*blocks_of(c%box), int64), err)
             call clear_buffer(window%near, err)
             call put_list(.true., blocks(list_cells(n, plan%out, held), .true.), &
@@ -128,7 +128,7 @@ contains
         type(coupling_t), intent(in) :: c !! on a GPU
         type(error_t), intent(inout) :: err
 
-        associate (part => c%part, near => c%device%window%near)
+        associate (part => c%part, near => c%device%coupling_halo%near)
             if (any(c%box%wraps)) return
             call clear_buffer(near, err)
             call copy_in([1_int8], near, 1_int64, err) ! always_near

@@ -6,15 +6,15 @@ module brz_deferred_source_steps
     use brz_coupling_device, only: diag_at, diag_images, diag_low
     use brz_coupling_state, only: coupling_t
     use brz_deferred_source_loops, only: for_each_enter_deferred_source, for_each_flag_own, &
-        for_each_move_deferred_source, for_each_pay_deferred_source, &
+        for_each_move_deferred_source, for_each_release_deferred_source, &
         for_each_settle_deferred_source, for_each_total_deferred_source
     use brz_donor_loops, only: for_each_choose_shell, for_each_collect_shares, for_each_fill_left, &
-        for_each_flag_buried, for_each_list_buried, for_each_owe_donation
+        for_each_flag_buried, for_each_list_buried, for_each_defer_donation
     use brz_errors, only: error_t
     use brz_kinds, only: dp
-    use brz_cell_store_loops, only: for_each_book_level, for_each_copy_ledger, &
-        for_each_first_excess, for_each_give_excess, for_each_judge_ledger, for_each_level_ledger, &
-        for_each_open_excess, for_each_take_excess, for_each_total_ledger
+    use brz_cell_store_loops, only: for_each_record_level, for_each_copy_stored, &
+        for_each_first_excess, for_each_give_excess, for_each_judge_stored, for_each_level_stored, &
+        for_each_open_excess, for_each_take_excess, for_each_total_stored
     use brz_lists, only: at_least, copy_first, room_of, running_sum, swap
     use brz_scheme, only: max_var
     implicit none
@@ -33,13 +33,13 @@ contains
         type(error_t), intent(inout) :: err
 
         if (.not. c%level > 0) return
-        call for_each_copy_ledger(c%on_gpu, c%wall%n_cells, c%box, c%cell, air%u, c%stored, err)
+        call for_each_copy_stored(c%on_gpu, c%wall%n_cells, c%box, c%cell, air%u, c%stored, err)
         if (any(c%box%mirrors)) then
-            call for_each_book_level(c%on_gpu, c%wall%n_cells, c%box, c%shells, c%level, c%cell, &
+            call for_each_record_level(c%on_gpu, c%wall%n_cells, c%box, c%shells, c%level, c%cell, &
                                      c%wall%solid, c%wall%index, c%wall%face_of, c%stored, &
                                      c%diagnostics%images, diag_at(c%device, diag_images), err)
         end if
-        call for_each_level_ledger(c%on_gpu, c%wall%n_cells, c%box, c%shells, c%level, c%cell, &
+        call for_each_level_stored(c%on_gpu, c%wall%n_cells, c%box, c%shells, c%level, c%cell, &
                                    c%wall%solid, c%wall%index, c%wall%face_of, c%stored, air%u, err)
     end subroutine level_cell_stores
 
@@ -51,7 +51,7 @@ contains
         integer :: opened, over
 
         over = 0
-        call for_each_judge_ledger(c%on_gpu, c%wall%n_cells, c%box, c%cell, c%gas, c%wall%face_of, &
+        call for_each_judge_stored(c%on_gpu, c%wall%n_cells, c%box, c%cell, c%gas, c%wall%face_of, &
                                    air%u, c%excess, c%diagnostics%stored_low, &
                                    c%diagnostics%stored_high, over, diag_at(c%device, diag_low), &
                                    err)
@@ -80,7 +80,7 @@ contains
 
         if (c%n_deferred == 0) return
         call at_least(c%on_gpu, c%start, c%n_deferred + 1, err)
-        call for_each_pay_deferred_source(c%on_gpu, c%n_deferred, c%box, c%n_var, c%deferred_cell, &
+        call for_each_release_deferred_source(c%on_gpu, c%n_deferred, c%box, c%n_var, c%deferred_cell, &
                                air%u, c%deferred, c%start, err)
         call drop_paid(c, err)
     end subroutine release_deferred_sources
@@ -200,7 +200,7 @@ contains
         c%diagnostics%kept = c%diagnostics%kept + kept
         call running_sum(c%on_gpu, c%start, donors, err, opened)
         call size_deferred_sources(c, c%n_deferred + opened, err)
-        if (opened > 0) call for_each_owe_donation(c%on_gpu, left, c%n_var, c%n_deferred, c%start, &
+        if (opened > 0) call for_each_defer_donation(c%on_gpu, left, c%n_var, c%n_deferred, c%start, &
             c%donor, c%donation, c%slot, c%deferred_cell, c%deferred, err)
         c%n_deferred = c%n_deferred + opened
         call for_each_collect_shares(c%on_gpu, n, donors, left, c%box, c%shells, c%cell, &
@@ -217,7 +217,7 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: total(6), remains(6)
 
-        call for_each_total_ledger(c%on_gpu, c%wall%n_cells, air%part%ranks, c%box, c%cell, air%u, &
+        call for_each_total_stored(c%on_gpu, c%wall%n_cells, air%part%ranks, c%box, c%cell, air%u, &
                                    total, err)
         call for_each_total_deferred_source(c%on_gpu, c%n_deferred, air%part%ranks, c%box, &
                                  c%n_var, c%deferred_cell, c%deferred, remains, err)

@@ -12,7 +12,7 @@ module brz_exchange_steps
     use brz_coupling_ghost_steps, only: renew_coupling_ghosts, send_loads_to_owners
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least, clear_list, read_first
-    use brz_load_loops, only: for_each_feel_load
+    use brz_load_loops, only: for_each_take_wall_traction
     use brz_ranks, only: several, sum_of_all
     use brz_shared_steps, only: share_deferred_sources, share_impulses
     use brz_solid_sleep, only: wake_met
@@ -121,7 +121,7 @@ contains
         do b = 1, size(felt)
             if (.not. solid%bodies(b)%inactive) cycle
             associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
-                call for_each_feel_load(c%on_gpu, last - first + 1, first, c%box, dt, c%cell_of, &
+                call for_each_take_wall_traction(c%on_gpu, last - first + 1, first, c%box, dt, c%cell_of, &
                                         c%place_of, c%above, c%wall%impulse, c%felt(b:), err)
             end associate
         end do

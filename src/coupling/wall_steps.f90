@@ -3,15 +3,15 @@
 !> their order.
 module brz_wall_steps
     use brz_air_state, only: air_t
-    use brz_column_loops, only: for_each_bear_load, for_each_book_face, for_each_feel_gas, &
-        for_each_load_particle, for_each_press_face, for_each_weigh_column
+    use brz_column_loops, only: for_each_bear_load, for_each_record_face, for_each_find_wall_pressure, &
+        for_each_load_particle, for_each_add_wall_impulse, for_each_weigh_column
     use brz_coupling_device, only: diag_at, diag_work
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int32, rk
     use brz_solid_state, only: solid_t
     use brz_velocity_loops, only: for_each_keep_velocity, for_each_mean_velocity_of, &
-        for_each_push_wall
+        for_each_find_wall_velocity
     implicit none
     private
     public :: find_mean_velocity, weigh_columns, find_wall_pressure, find_wall_velocities, &
@@ -49,7 +49,7 @@ contains
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
-        call for_each_feel_gas(c%on_gpu, c%wall%n_faces, c%box, air%scheme, c%gas, c%rows, &
+        call for_each_find_wall_pressure(c%on_gpu, c%wall%n_faces, c%box, air%scheme, c%gas, c%rows, &
                                c%wall%face_cell, air%u, c%wall%v, c%force, c%impedance, err)
     end subroutine find_wall_pressure
 
@@ -63,7 +63,7 @@ contains
         integer(int32), intent(in) :: column(:) !! of each particle in it
         type(error_t), intent(inout) :: err
 
-        call for_each_push_wall(c%on_gpu, 3*c%wall%n_cells, c%box, p%wide, p%stride_d, p%stride_p, &
+        call for_each_find_wall_velocity(c%on_gpu, 3*c%wall%n_cells, c%box, p%wide, p%stride_d, p%stride_p, &
                                 c%bodies, real(dt, rk), real(c%dt_before, rk), c%driven, c%gas, &
                                 c%rows, c%wall%face_cell, c%wall%face_of, c%above, c%ends, &
                                 c%binned, p%x, p%v, p%mass, p%load, v_before, column, p%fixed, &
@@ -91,9 +91,9 @@ contains
         work = 0
         given = 0
         taken = 0
-        call for_each_press_face(c%on_gpu, c%wall%n_faces, c%box, dt, c%rows, c%wall%impulse, &
+        call for_each_add_wall_impulse(c%on_gpu, c%wall%n_faces, c%box, dt, c%rows, c%wall%impulse, &
                                  c%force, err)
-        call for_each_book_face(c%on_gpu, c%wall%n_faces, c%box, dt, c%gas, c%rows, &
+        call for_each_record_face(c%on_gpu, c%wall%n_faces, c%box, dt, c%gas, c%rows, &
                                 c%wall%face_cell, c%wall%impulse, c%wall%v, work, given, taken, &
                                 diag_at(c%device, diag_work), err)
         call for_each_load_particle(c%on_gpu, p%n, c%box, p%wide, p%stride_d, p%stride_p, &

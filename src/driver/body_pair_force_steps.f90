@@ -5,7 +5,7 @@
 !> is the sum over trapezoids, and exactly what the momentum at the step shows.
 module brz_body_pair_force_steps
     use brz_body_pair_force_items, only: add_impulse
-    use brz_body_pair_force_loops, only: for_each_sum_between
+    use brz_body_pair_force_loops, only: for_each_sum_body_pair_force
     use brz_kinds, only: dp
     use brz_link_rows, only: joined_of
     use brz_solid_state, only: solid_t
@@ -53,7 +53,7 @@ contains
         force = 0
         if (.not. solid%links%present) return
         associate (links => solid%links, there => solid%bodies(body(1)))
-            call for_each_sum_between(solid%on_gpu, there%last - there%first + 1, solid%ranks, there%first, body(2), &
+            call for_each_sum_body_pair_force(solid%on_gpu, there%last - there%first + 1, solid%ranks, there%first, body(2), &
                 links%lay, links%ends, links%table, links%cell, solid%x, solid%v, solid%mass, &
                 links%weight, solid%stress, solid%pair, links%press(:, 1:), links%bond, &
                 joined_of(solid%links), links%row, links%slice(1:), links%count(1:), &

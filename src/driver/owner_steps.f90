@@ -22,7 +22,7 @@ module brz_owner_steps
     use brz_home_backend, only: change_hands, fetch_homes, find_boxes, find_lowest, lay_arrays, &
         list_leaving, put_region, put_wants, settle_places, swap_ghosts
     use brz_gpu_solid_state, only: note_ranges
-    use brz_owner_loops, only: for_each_mark_home, for_each_mark_near
+    use brz_owner_loops, only: for_each_mark_owner, for_each_mark_near
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least
     use brz_load_steps, only: mark_loaded_segments, note_carriers
@@ -116,7 +116,7 @@ contains
         do b = 1, size(which)
             if (.not. which(b)) cycle
             associate (there => solid%bodies(b), part => solid%part)
-                call for_each_mark_home(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, &
+                call for_each_mark_owner(solid%on_gpu, there%last - there%first + 1, there%first, solid%wide, &
                     solid%n, solid%ranks%n, solid%ranks%rank, part%region, &
                     owners_of(solid, b), part%mark, err)
             end associate

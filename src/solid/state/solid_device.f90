@@ -75,7 +75,7 @@ module brz_solid_device
     !> Columns of `state` that not every scene has, 0: none.
     type :: columns_t
         integer :: reaction_force = 0 !! + 1..3: force on what holds a particle [N]
-        integer :: owed = 0 !! energy that the tensile control owes [J]
+        integer :: control_due = 0 !! energy that the tensile control owes [J]
         integer :: load = 0 !! + 1..3: force of the air, or of the loads [N]
         integer :: face_stress = 0 !! + 1..6: stress of the load on its faces [Pa]
         integer :: before = 0 !! + 1..3: velocity a step of the air before [m/s]
@@ -97,7 +97,7 @@ module brz_solid_device
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
         type(doubles_t) :: sorted !! positions that lists are built for, cell by cell: order_cells
         type(doubles_t) :: place, reference, built, diag, rate, region, partial, sums_of_forces
-        type(reals_t) :: motion, state, row, grad, held, axes, extra
+        type(reals_t) :: motion, state, row, grad, control, axes, extra
         type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
         type(integers_t) :: tag, flags, count, cell, order
         type(integers_t) :: acting !! (n) how many `pairs` a particle has
@@ -111,7 +111,7 @@ module brz_solid_device
         integer :: wide = 4, stride_d = 0, stride_p = 1, stride_t = 1
         type(doubles_t) :: x, x_ref, x_built, work, contact_heat
         type(reals_t) :: v, v_before, volume, a, load, face_stress, reaction_force, mass, mu, energy
-        type(reals_t) :: damage, stress, pair, owed
+        type(reals_t) :: damage, stress, pair, control_due
         type(integers_t) :: id, fixed, moved
         real(dp) :: heat(1) = 0 !! the name of contact_heat on the host
         type(gpu_common_t) :: common
