@@ -43,27 +43,27 @@ TOLD      = 2>$(@:.o=.log) || { cat $(@:.o=.log) >&2; exit 1; }; cat $(@:.o=.log
 # --- sources: whatever is there ----------------------------------------------------------------
 SRC  := $(sort $(shell find src -name '*.f90' -o -name '*.F90'))
 MAIN := $(wildcard src/main.f90)
-# Loops, kernels and launches are written around items: docs/extending.md
-MADE  := build/items
-ITEMS := $(filter %_items.f90,$(SRC))
-ITEM_NAMES := $(patsubst %_items,%,$(basename $(notdir $(ITEMS))))
+# Loops, kernels and launches are written around loop bodies: docs/extending.md
+MADE  := build/made
+LOOP_BODIES := $(filter %_loop_bodies.f90,$(SRC))
+BODY_NAMES := $(patsubst %_loop_bodies,%,$(basename $(notdir $(LOOP_BODIES))))
 MODELS := $(wildcard src/materials/*.f90)
 CUDA := $(sort $(wildcard cuda/*.CUF))
 FAMILIES := $(sort $(foreach f,$(CUDA),$(firstword $(subst _, ,$(basename $(notdir $f))))))
 VARIED := $(foreach f,$(FAMILIES),$(if $(shell grep -lsE '^ *!@kernel [^*]+$$' cuda/$f*.CUF),$f))
-LOOPS := $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
+LOOPS := $(BODY_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(BODY_NAMES) $(FAMILIES)) \
          $(if $(MODELS),$(MADE)/model_list.f90 $(MADE)/flow_list.f90)
 OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)) $(LOOPS))) $(B)/obj/presets.o \
         $(if $(COVERAGE),$(B)/obj/tests/coverage.o)
 LIB  := $(B)/brisance.o
 # (apart, so that a commit is told without optimising all anew)
 LINKED := $(LIB) $(B)/obj/version.o
-KERNELS := $(CUDA) $(ITEM_NAMES:%=$(MADE)/%_kernels.CUF) $(VARIED:%=$(MADE)/%_variants.CUF) \
+KERNELS := $(CUDA) $(BODY_NAMES:%=$(MADE)/%_kernels.CUF) $(VARIED:%=$(MADE)/%_variants.CUF) \
            $(MADE)/model_kernels.CUF $(MADE)/model_list.f90 $(MADE)/flow_list.f90
 PARTS_OF_KERNELS := $(wildcard cuda/*.ll)
 PTX  := $(BIN).ptx
 # what the GPU code is made from; the executable refuses a PTX file of other sources
-DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(CUDA) $(PARTS_OF_KERNELS) scripts/item_heads.py scripts/loops.py scripts/models.py
+DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(CUDA) $(PARTS_OF_KERNELS) scripts/loop_heads.py scripts/loops.py scripts/models.py
 STAMP := $(shell cat $(DEVICE) scripts/cuda_fortran.py | sha1sum | cut -c 1-16)
 SAVE := scripts/write_if_changed.sh
 
@@ -91,10 +91,10 @@ $(EMULATOR): $(DEVICE) $(KERNELS) scripts/gpu_emulate.py $(wildcard tests/gpu/em
 	$(call say,emulate $@)
 	$(Q)$(PY) scripts/gpu_emulate.py --work build/gpu/emulated$(KIND) --out $@ \
 	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(SRC) $(KERNELS) >/dev/null
-$(foreach f,$(sort $(dir $(ITEMS))),$(eval $(MADE)/%_loops.f90 $(MADE)/%_kernels.CUF $(MADE)/%_launches.f90: $f%_items.f90 scripts/loops.py scripts/item_heads.py ; \
+$(foreach f,$(sort $(dir $(LOOP_BODIES))),$(eval $(MADE)/%_loops.f90 $(MADE)/%_kernels.CUF $(MADE)/%_launches.f90: $f%_loop_bodies.f90 scripts/loops.py scripts/loop_heads.py ; \
     @mkdir -p $(MADE) && scripts/loops.py $(MADE) $$<))
 $(foreach f,$(FAMILIES),$(eval $(MADE)/$f_launches.f90 $(if $(filter $f,$(VARIED)),$(MADE)/$f_variants.CUF) &: \
-    $(wildcard cuda/$f*.CUF) scripts/loops.py scripts/item_heads.py ; \
+    $(wildcard cuda/$f*.CUF) scripts/loops.py scripts/loop_heads.py ; \
     @mkdir -p $(MADE) && scripts/loops.py $(MADE) $f $(wildcard cuda/$f*.CUF)))
 $(MADE)/model_list.f90 $(MADE)/flow_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py
 	@mkdir -p $(MADE) && scripts/models.py $(MADE) $(MODELS)

@@ -4,7 +4,7 @@
 
 usage: coverage.py BUILD [FILE]      (BUILD: build/cpu-coverage)
 
-Prints a line per folder of src (generated loops: build/items), the files with least, and the sum in
+Prints a line per folder of src (generated loops: build/made), the files with least, and the sum in
 the last line. With FILE, the numbers of its lines that no test has run. Lines are those that hold
 code, as gcov tells; one that ran in any of the objects counts as run.
 """
@@ -43,7 +43,7 @@ def collect(build):
         for found in pool.map(counts_of, files):
             for name, lines in found.items():
                 path = os.path.relpath(name)
-                if path.startswith(("src/", "build/items/")):
+                if path.startswith(("src/", "build/made/")):
                     for line, count in lines.items():
                         total[path][line] += count
     return total

@@ -19,7 +19,7 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
-from item_heads import at_line, line_at
+from loop_heads import at_line, line_at
 
 HEAD = re.compile(
     r"^ *integer, parameter :: (\w+) = (\d+)(?:, \1_history = (\d+))? !! code of the model", re.M

@@ -10,8 +10,8 @@ ROOMS: within its folder a file uses only its own room and what is to the left. 
 with `!@cuf`) uses only base, plain data and other point physics; a material model may describe
 itself to the deck as well. Sizes: files 600 lines, procedures 80, lines of kernels (cuda/*.CUF) 100
 columns (fortitude sees to those of the rest) and of what is included (*.inc), arguments 12, which
-kernels, items and what these call in their file (`*_items.f90`, below a `!@cuf` line) may exceed:
-they take arrays.
+kernels, loop bodies and what these call in their file (`*_loop_bodies.f90`, below a `!@cuf` line)
+may exceed: they take arrays.
 Twins have one name: what src/cpu does in x.f90, src/gpu does in gpu_x.f90 or cuda in x.CUF,
 and a file gpu_x.f90 is the twin of an x.f90; ALONE names what one backend has alone. Also: the
 licence line, the module name, `use` with `only`; no name of a type stands for two. Files and
@@ -92,7 +92,7 @@ class Source:
         self.items = set()
         if path.suffix == ".CUF":
             self.items |= set(re.findall(r"\b(?:subroutine|function) (\w+)", text))
-        if path.stem.endswith("_items"):
+        if path.stem.endswith("_loop_bodies"):
             self.items |= set(re.findall(r"!@cuf.*\n +pure (?:subroutine|function) (\w+)", text))
         self.marked = any(line.lstrip().startswith("!@cuf") for line in self.lines)
         self.statements = list(statements(text))
@@ -154,7 +154,9 @@ class Source:
             self.fault(1, f"src/{self.layer} is no layer")
             return
         for module, line in self.uses.items():
-            other = owner.get(module) or owner.get(re.sub("_(loops|launches)$", "_items", module))
+            other = owner.get(module) or owner.get(
+                re.sub("_(loops|launches)$", "_loop_bodies", module)
+            )
             if other is None or other is self:
                 continue
             if RANK[other.layer] > RANK[self.layer] or (

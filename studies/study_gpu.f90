@@ -11,7 +11,7 @@ program study_gpu
     use brz_device, only: device_t, free_all
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: fetch_air, open_gpu_air
-    use brz_air_steps, only: air_step
+    use brz_air_driver, only: air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_kinds, only: dp, int64
     use brz_timer, only: wall_seconds

@@ -19,7 +19,7 @@ module brz_buffers
         integer(c_size_t) :: bytes = 0
     end type buffer_t
 
-    !> The same, with the kind of number that it holds: what launches of items take.
+    !> The same, with the kind of number that it holds: what launches of loop bodies take.
     type, extends(buffer_t) :: reals_t !! real(rk)
     end type reals_t
 

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Block partial sums, called tallies, how a GPU adds up numbers of all items: each of a fixed
-!> number of threads adds those of every tally_threads-th item to a number of its own.
+!> Block partial sums, called tallies, how a GPU adds up numbers of all loop bodies: each of a fixed
+!> number of threads adds those of every tally_threads-th loop body to a number of its own.
 module brz_tallies
     use brz_kinds, only: dp
     implicit none

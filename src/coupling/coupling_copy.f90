@@ -9,21 +9,21 @@ module brz_coupling_copy
     use brz_coupling_device, only: diag_high, diag_low, n_diag, n_sums
     use brz_coupling_state, only: coupling_t, put_sums, sums_in
     use brz_coupling_windows, only: open_windows_of_gpus
-    use brz_deferred_source_steps, only: enter_deferred_sources, size_deferred_sources
+    use brz_deferred_source_driver, only: enter_deferred_sources, size_deferred_sources
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out
     use brz_device_data, only: enter_bytes, enter_data, update_device, update_host
     use brz_errors, only: error_t, failed
-    use brz_reclassification_steps, only: put_up_walls
-    use brz_coupling_ghost_steps, only: renew_coupling_ghosts
+    use brz_reclassification_driver, only: put_up_walls
+    use brz_coupling_ghost_driver, only: renew_coupling_ghosts
     use brz_kinds, only: dp, int32, int64, rk
     use brz_load_loops, only: for_each_wall_speed
     use brz_present_table, only: attach, buffer_of
     use brz_ranks, only: reduce_errors, several
-    use brz_shared_steps, only: put_halos
+    use brz_shared_driver, only: put_halos
     use brz_snapshots, only: snapshot_t
     use brz_solid_state, only: solid_t
     use brz_tallies, only: tally_threads
-    use brz_wall_steps, only: find_mean_velocity
+    use brz_wall_driver, only: find_mean_velocity
     implicit none
     private
     public :: open_gpu_coupling, fetch_coupling, note_coupling, fetch_diagnostics, fastest_wall

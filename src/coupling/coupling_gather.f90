@@ -5,7 +5,7 @@ module brz_coupling_gather
     use brz_coupling_box, only: is_own
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: diagnostics_of_all
-    use brz_deferred_source_steps, only: size_deferred_sources
+    use brz_deferred_source_driver, only: size_deferred_sources
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int64, rk
     use brz_message_exchange, only: message_exchange_t, make_room, post, put_numbers, &

@@ -12,17 +12,17 @@ module brz_coupling_setup
     use brz_coupling_box, only: box_t
     use brz_coupling_ghosts, only: open_halos
     use brz_coupling_state, only: coupling_t
-    use brz_coupling_steps, only: move_walls
+    use brz_coupling_driver, only: move_walls
     use brz_coupling_windows, only: see_halo
-    use brz_deferred_source_steps, only: enter_deferred_sources, size_deferred_sources
+    use brz_deferred_source_driver, only: enter_deferred_sources, size_deferred_sources
     use brz_errors, only: error_t, exit_deck, failed, raise
-    use brz_reclassification_steps, only: put_up_walls
+    use brz_reclassification_driver, only: put_up_walls
     use brz_face_stress, only: spread_shares
-    use brz_coupling_ghost_steps, only: renew_coupling_ghosts
+    use brz_coupling_ghost_driver, only: renew_coupling_ghosts
     use brz_kinds, only: dp, int32, rk
     use brz_positivity, only: floors_of
     use brz_ranks, only: several
-    use brz_shared_steps, only: put_halos
+    use brz_shared_driver, only: put_halos
     use brz_solid_state, only: solid_t
     implicit none
     private

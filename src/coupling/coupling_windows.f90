@@ -11,7 +11,7 @@ module brz_coupling_windows
     use brz_device, only: clear_buffer, copy_in, reserve_buffer
     use brz_errors, only: error_t
     use brz_fetch, only: fetch, fetch_t
-    use brz_coupling_ghost_items, only: always_near, block_at, blocks_of
+    use brz_coupling_ghost_loop_bodies, only: always_near, block_at, blocks_of
     use brz_coupling_ghost_launches, only: coupling_ghost_kernels
     use brz_kinds, only: int64, int8
     use brz_lists, only: put_list
@@ -75,7 +75,8 @@ contains
         c%ghosts%stride_p = 1
         c%ghosts%stride_t = 1
         held = cells_t(air%before + 1 - air%g, air%before + air%n + air%g)
-        call c%device%coupling_halo%open(air%part%ranks, air%part%coupling_halo, held, air%n_var, err)
+        call c%device%coupling_halo%open(air%part%ranks, air%part%coupling_halo, held, air%n_var, &
+            err)
         if (.not. any(c%box%wraps)) call map_blocks(c, air%part%coupling_halo, held, err)
         allocate (nothing%place(0), nothing%first(0:air%part%ranks%n))
         nothing%first = 1

@@ -5,7 +5,7 @@ module brz_near_walls
     use brz_air_device, only: air_device_t
     use brz_air_launches, only: air_kernels
     use brz_air_state, only: air_t, wall_t
-    use brz_cell_items, only: cells_of_a_chunk
+    use brz_cell_loop_bodies, only: cells_of_a_chunk
     use brz_cell_launches, only: cell_kernels
     use brz_device, only: reserve_buffer
     use brz_errors, only: error_t

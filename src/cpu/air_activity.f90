@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Which parts of lines are computed: those in bricks that are active, see brz_brick_items.
+!> Which parts of lines are computed: those in bricks that are active, see brz_brick_loop_bodies.
 module brz_air_activity
     use brz_air_state, only: air_t, brick, lines_per_block
     use brz_grid_lines, only: first_cell_of, n_lines

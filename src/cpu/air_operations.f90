@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> What a step of the air is made of on the CPU; brz_air_steps puts it in order. Cells that the
+!> What a step of the air is made of on the CPU; brz_air_driver puts it in order. Cells that the
 !> fallback computes again are few: one thread does it.
 module brz_air_operations
     use brz_kinds, only: int64, rk
@@ -10,7 +10,7 @@ module brz_air_operations
     use brz_air_state, only: air_t, brick, lines_per_block, n_ghost, &
         set_scale, wall_t
     use brz_air_sweep, only: sweep
-    use brz_fallback_items, only: is_touched, mark_cell, redo_rates, to_redo
+    use brz_fallback_loop_bodies, only: is_touched, mark_cell, redo_rates, to_redo
     use brz_grid_lines, only: first_cell_of, n_blocks, n_lines
     use brz_ranks, only: most_of_all
     use brz_scheme, only: max_var

@@ -14,7 +14,7 @@ module brz_air_sweep
     use brz_gas, only: pressure
     use brz_positivity, only: margin, stray
     use brz_scheme, only: max_var
-    use brz_face_items, only: face_at
+    use brz_face_loop_bodies, only: face_at
     use brz_air_lines, only: line_fluxes
     use omp_lib, only: omp_get_thread_num
     implicit none

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Bonds between bodies on the CPU: the loops, and the calls from both passes.
 module brz_solid_bonds
-    use brz_bond_items, only: pull_bonds, sum_bonds
+    use brz_bond_loop_bodies, only: pull_bonds, sum_bonds
     use brz_bond_loops, only: each_break_bond
     use brz_force_layout, only: at_drag, at_heat, n_terms
     use brz_formulation_names, only: form_rigid

@@ -4,7 +4,7 @@
 !> Results do not depend on the number of threads.
 module brz_solid_contact
     use brz_contact, only: link_sum, n_link
-    use brz_contact_items, only: kept_early, kept_energy, kept_heat, kept_rub, n_kept, &
+    use brz_contact_loop_bodies, only: kept_early, kept_energy, kept_heat, kept_rub, n_kept, &
         press_particle, push_particle, sum_links
     use brz_force_layout, only: at_drag, at_stiff, n_terms
     use brz_kinds, only: dp, real32, rk

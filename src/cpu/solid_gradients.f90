@@ -19,13 +19,13 @@ module brz_solid_gradients
     use brz_material, only: class_elastic, point_t, secant_share, strength_left
     use brz_materials, only: unloaded_speed, update_material
     use brz_moment_layout, only: at_f, at_g, at_s, at_x, at_y, n_terms => n_sums
-    use brz_motion_items, only: fill_rigid_row
+    use brz_motion_loop_bodies, only: fill_rigid_row
     use brz_pair_layout, only: pair_stress, pair_tilt
     use brz_particle_groups, only: lanes
     use brz_particle_marks, only: is_gone
     use brz_ply_axes, only: axes_matrix
     use brz_rigid_pose, only: pose_t, resting_pose
-    use brz_row_items, only: fill_control, fill_row, row_rules_t, rules_of, stiffen_along
+    use brz_row_loop_bodies, only: fill_control, fill_row, row_rules_t, rules_of, stiffen_along
     use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_gradient_sums, only: add_neighbours
     use brz_solid_arrays, only: group_of

@@ -7,7 +7,7 @@
 module brz_solid_links
     use brz_bond_marks, only: tie_intact
     use brz_cell_grid, only: cell_span, extent, fill_cells, lay_grid, number_of_cell
-    use brz_contact_items, only: owner_of
+    use brz_contact_loop_bodies, only: owner_of
     use brz_interaction, only: law_bonded, law_none
     use brz_kinds, only: dp, int32, int64
     use brz_link_layout, only: link_unit, mask_unit, n_press

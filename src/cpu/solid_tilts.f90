@@ -3,7 +3,7 @@
 !> body.
 module brz_solid_tilts
     use brz_body, only: body_t
-    use brz_contact_items, only: owner_of
+    use brz_contact_loop_bodies, only: owner_of
     use brz_kernel, only: kernel_scale, kernel_slope
     use brz_kinds, only: dp, int64, real32, rk
     use brz_solid_arrays, only: group_of

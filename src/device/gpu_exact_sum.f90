@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Exact sums on the GPU, over all processes: items whose sums are `@exact` run twice, to find the
-!> largest terms and then to add up their limbs, see brz_exact_sum. Limbs are whole numbers.
+!> Exact sums on the GPU, over all processes: loop bodies whose sums are `@exact` run twice, to find
+!> the largest terms and then to add up their limbs, see brz_exact_sum. Limbs are whole numbers.
 module brz_gpu_exact_sum
     use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
     use brz_buffers, only: doubles_t
@@ -16,7 +16,7 @@ module brz_gpu_exact_sum
     private
     public :: gpu_exact_t, exact_for
 
-    integer, parameter :: most = 18 !! sums of an item
+    integer, parameter :: most = 18 !! sums of a loop body
     integer, parameter :: rows = 32 !! largest terms of each that are left for the host
 
     type :: gpu_exact_t

@@ -18,7 +18,7 @@ module brz_gpu_peers
     use brz_lists, only: put_changed_table
     use brz_kinds, only: dp, int64
     use brz_message_exchange, only: greet, message_exchange_t, make_room, post, tell_counts
-    use brz_place_items, only: tile
+    use brz_place_loop_bodies, only: tile
     use brz_places, only: message_buffers_t
     use brz_ranks, only: reduce_errors, least_of_all, ranks_t, several
     implicit none
@@ -149,7 +149,7 @@ contains
         if (self%linked) call record_event(self%written, err)
     end subroutine finish
 
-    !> Tell kernels where the messages of a list lie, see brz_place_items.
+    !> Tell kernels where the messages of a list lie, see brz_place_loop_bodies.
     subroutine tell_messages(self, list, tiled, err)
         class(peers_t), intent(in) :: self
         type(message_buffers_t), intent(inout) :: list

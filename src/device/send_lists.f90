@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> Places that are marked for other processes, a row of marks for each process, and lists of them. On
-!> a GPU the host hears how many there are.
+!> Places that are marked for other processes, a row of marks for each process, and lists of them.
+!> On a GPU the host hears how many there are.
 module brz_send_lists
     use brz_errors, only: error_t
     use brz_kinds, only: int64
     use brz_lists, only: at_least, clear_list, put_changed, put_list, read_first, &
         running_sum, swap
-    use brz_mark_items, only: marks_of_a_chunk
+    use brz_mark_loop_bodies, only: marks_of_a_chunk
     use brz_mark_loops, only: for_each_count_chunk, for_each_list_chunk, for_each_marked_before
     use brz_place_loops, only: for_each_give_place, for_each_join_place
     use brz_places, only: find_firsts, find_joined, find_pieces, marks_t, message_buffers_t
@@ -58,7 +58,8 @@ contains
         end associate
         call put_changed(on_gpu, at, marks%ends_there, marks%ends, err)
         call at_least(on_gpu, marks%sums, size(at), err)
-        call for_each_marked_before(on_gpu, size(at), marks%ends, marks%mark, marks%before, marks%sums, err)
+        call for_each_marked_before(on_gpu, size(at), marks%ends, marks%mark, marks%before, &
+            marks%sums, err)
         call read_first(on_gpu, size(at), marks%sums, at, err)
         number = reshape(at(2:) - at(:size(at) - 1), shape(number))
     end subroutine count_marks
@@ -102,7 +103,8 @@ contains
         call find_firsts(number, list%first)
         call at_least(on_gpu, list%place, int(sum(number)), err)
         call put_list(on_gpu, reshape(piece, [size(piece)]), marks%pieces, err)
-        call for_each_give_place(on_gpu, int(sum(number)), size(number), marks%pieces, list%place, err)
+        call for_each_give_place(on_gpu, int(sum(number)), size(number), marks%pieces, &
+            list%place, err)
     end subroutine place_pieces
 
     !> Put the entries of a list into another, process by process and body by body behind those that
@@ -124,8 +126,8 @@ contains
         call at_least(on_gpu, list%place, 0, err)
         call at_least(on_gpu, marks%joined, int(sum(all)), err)
         call put_list(on_gpu, reshape(piece, [size(piece)]), marks%pieces, err)
-        call for_each_join_place(on_gpu, int(sum(all)), 2*size(number), marks%pieces, list%place, added%place, &
-                             marks%joined, err)
+        call for_each_join_place(on_gpu, int(sum(all)), 2*size(number), marks%pieces, list%place, &
+            added%place, marks%joined, err)
         call swap(list%place, marks%joined)
     end subroutine join_lists
 end module brz_send_lists

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> The operations of a step of the air that are not loop bodies: as sweeps over lines of cells on
-!> the CPU, as kernels on a GPU. brz_air_steps puts them in order.
+!> the CPU, as kernels on a GPU. brz_air_driver puts them in order.
 module brz_air_backend
     use brz_air_grid, only: stage_t
     use brz_air_operations, only: cpu_find_bad => find_bad, cpu_find_lost_cell => find_lost_cell, &

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> What brz_owner_steps leaves to each backend: how particles and ghosts travel, and what follows
+!> What brz_owner_driver leaves to each backend: how particles and ghosts travel, and what follows
 !> from their places.
 module brz_home_backend
     use brz_errors, only: error_t

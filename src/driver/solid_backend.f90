@@ -17,9 +17,10 @@ module brz_solid_backend
     use brz_gpu_solid_links, only: gpu_build_links => build_links, &
         gpu_settle_links => settle_links
     use brz_gpu_solid_motion, only: gpu_end_support => end_support
-    use brz_gpu_solid_search, only: gpu_build_list => build_list, gpu_choose_lists => choose_lists, &
-        gpu_mean_velocity => mean_velocity, gpu_note_positions => note_positions, &
-        gpu_renew_places => renew_places, gpu_sort_body => sort_body
+    use brz_gpu_solid_search, only: gpu_build_list => build_list, &
+        gpu_choose_lists => choose_lists, gpu_mean_velocity => mean_velocity, &
+        gpu_note_positions => note_positions, gpu_renew_places => renew_places, &
+        gpu_sort_body => sort_body
     use brz_kinds, only: dp, int64
     use brz_solid_bonds, only: cpu_break_bonds => break_bonds
     use brz_solid_contact, only: cpu_contact_pass => contact_pass, cpu_find_press => find_press

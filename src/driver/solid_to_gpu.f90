@@ -4,7 +4,7 @@ module brz_solid_to_gpu
     use brz_device, only: device_t
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_copy, only: open_gpu_solid
-    use brz_solid_list_steps, only: build_neighbours
+    use brz_solid_list_driver, only: build_neighbours
     use brz_solid_state, only: solid_t
     implicit none
     private

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> What a step of the air is made of on the GPU, as launches; brz_gpu_air_steps puts it in order.
+!> What a step of the air is made of on the GPU, as launches; brz_air_driver puts it in order.
 !>
 !> Each stage reads one state and writes another, so that a cell can be computed again.
 module brz_gpu_air_operations
@@ -11,7 +11,7 @@ module brz_gpu_air_operations
     use brz_buffers, only: from
     use brz_device, only: clear_buffer, copy_out, kernel_t
     use brz_errors, only: error_t, failed
-    use brz_fallback_items, only: to_redo
+    use brz_fallback_loop_bodies, only: to_redo
     use brz_gpu_air_state, only: bytes_of_real
     use brz_kinds, only: dp, int64, int8, rk
     use brz_ranks, only: reduce_errors

@@ -15,7 +15,7 @@ module brz_gpu_solid_bodies
     use brz_material, only: class_elastic, material_t
     use brz_model_list, only: find_kernel_of
     use brz_particle_marks, only: is_gone
-    use brz_row_items, only: rules_of
+    use brz_row_loop_bodies, only: rules_of
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none

@@ -118,8 +118,8 @@ contains
                                               buffer_of(cohesive%spent), buffer_of(cohesive%held)])
     end subroutine note_solid
 
-    !> The bodies lie in the host arrays where solid_t says, as on the GPU, from now on. Only numbers
-    !> of particles are fetched.
+    !> The bodies lie in the host arrays where solid_t says, as on the GPU, from now on. Only
+    !> numbers of particles are fetched.
     subroutine settle_bodies(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid

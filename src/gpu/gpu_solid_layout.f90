@@ -19,7 +19,7 @@ module brz_gpu_solid_layout
     use brz_force_layout, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_terms
     use brz_kinds, only: dp, rk
     use brz_link_layout, only: mask_unit, slice_width
-    use brz_row_items, only: row_rules_t
+    use brz_row_loop_bodies, only: row_rules_t
     use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, at_wave, n_linked_tag, n_tag, tag_bond, tag_face, tag_unsupported, tag_fault, &
         tag_fixed, tag_id, tag_joined, tag_ply, tag_support, tag_touch, tag_weight

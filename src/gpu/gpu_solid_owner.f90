@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Particles on several GPUs when lists are built: what the steps of brz_owner_steps need there. The
-!> state does not leave the GPUs.
+!> Particles on several GPUs when lists are built: what the steps of brz_owner_driver need there.
+!> The state does not leave the GPUs.
 module brz_gpu_solid_owner
     use brz_buffers, only: doubles_t, from
     use brz_device, only: clear_buffer, copy_in, copy_out, reserve_buffer

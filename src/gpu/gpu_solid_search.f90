@@ -7,7 +7,7 @@ module brz_gpu_solid_search
     use brz_device, only: clear_buffer, copy_in, copy_out, copy_within, reserve_buffer
     use brz_drift_launches, only: drift_kernels
     use brz_errors, only: error_t, failed
-    use brz_drift_items, only: drift_of
+    use brz_drift_loop_bodies, only: drift_of
     use brz_formulation_names, only: form_total
     use brz_ghost_wants, only: most_outside
     use brz_lists, only: put_changed => put_changed_table

@@ -6,11 +6,12 @@
 module brz_gpu_solid_state
     use brz_body, only: body_t
     use brz_buffers, only: buffer_t, doubles_t, from, integers_t, reals_t
-    use brz_device, only: allocate_buffer, copy_in, copy_within, device_t, free_buffer, reserve_buffer
+    use brz_device, only: allocate_buffer, copy_in, copy_within, device_t, free_buffer, &
+        reserve_buffer
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_face_layout, only: n_face
     use brz_formulation_names, only: form_total
-    use brz_force_items, only: n_sum
+    use brz_force_loop_bodies, only: n_sum
     use brz_gpu_solid_layout, only: at_accel, at_damage, at_energy, at_mass, at_mu, at_stress, &
         diag_contact_heat, diag_load, grid_gpu_t, &
         n_diag, n_flag, n_linked_tag, n_tag, n_terms, tag_bond, tag_face, &
@@ -178,7 +179,7 @@ contains
         end subroutine visit
     end subroutine walk
 
-    !> Parts of the arrays under the names that items and steps have for them.
+    !> Parts of the arrays under the names that loop bodies and steps have for them.
     subroutine see_arrays(gpu)
         type(solid_device_t), intent(inout) :: gpu
         type(integers_t) :: tags

@@ -24,7 +24,7 @@ module brz_gauges
     use brz_particle_marks, only: is_free
     use brz_particle_order, only: find_place
     use brz_ranks, only: bits_of_all, several, sum_of_all
-    use brz_force_steps, only: n_forces
+    use brz_force_driver, only: n_forces
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: velocity_at_step
     use brz_wide_lattice, only: unloaded_place

@@ -18,7 +18,7 @@ module brz_places
         integer, allocatable :: run(:, :)
         !! (2, runs) first place and number of what it has for itself, where that lies in few runs
         integer :: tiled = 0 !! places in the tiles of all messages
-        type(buffer_t) :: messages !! what kernels know of them, see brz_place_items
+        type(buffer_t) :: messages !! what kernels know of them, see brz_place_loop_bodies
         integer, allocatable :: messages_there(:) !! what the GPU has of that
     end type message_buffers_t
 

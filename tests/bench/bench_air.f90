@@ -12,7 +12,7 @@ program bench_air
     use brz_kinds, only: dp, int64, rk
     use brz_air_state, only: air_t, wall_t
     use brz_air_setup, only: make_grid
-    use brz_air_steps, only: air_step
+    use brz_air_driver, only: air_step
     use brz_air_sums, only: air_time_step
     use brz_air_walls, only: build_walls, set_up_walls
     use brz_scheme, only: first_order, hllc, muscl_cells, scheme_t, steger_warming, weno3_cells, &

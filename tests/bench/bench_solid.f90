@@ -19,10 +19,10 @@ program bench_solid
     use brz_solid_forces, only: force_pass
     use brz_solid_gradients, only: gradient_pass
     use brz_solid_arrays, only: group_of
-    use brz_solid_list_steps, only: build_neighbours
+    use brz_solid_list_driver, only: build_neighbours
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step, start_solid
-    use brz_solid_steps, only: solid_step
+    use brz_solid_driver, only: solid_step
     use omp_lib, only: omp_get_max_threads, omp_get_wtime, omp_set_num_threads
     implicit none
 

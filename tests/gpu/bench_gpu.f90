@@ -10,7 +10,7 @@ program bench_gpu
     use brz_device, only: device_t, free_all, wait_for_device
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: open_gpu_air
-    use brz_air_steps, only: air_step
+    use brz_air_driver, only: air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_kinds, only: dp, rk
     use brz_scheme, only: hllc, muscl_cells, steger_warming, weno3_cells, weno5z_cells

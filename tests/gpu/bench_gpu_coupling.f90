@@ -20,8 +20,8 @@ program bench_gpu_coupling
     use brz_device, only: clear_buffer, device_t
     use brz_device_data, only: update_device
     use brz_errors, only: error_t, failed
-    use brz_reclassification_steps, only: fill_bins, look_at_particles
-    use brz_exchange_steps, only: reclassify, set_wall_velocity, spread_load
+    use brz_reclassification_driver, only: fill_bins, look_at_particles
+    use brz_exchange_driver, only: reclassify, set_wall_velocity, spread_load
     use brz_gpu_air_state, only: open_gpu_air
     use brz_kinds, only: dp, int64, rk
     use brz_lists, only: at_least

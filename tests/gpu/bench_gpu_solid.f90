@@ -19,10 +19,10 @@ program bench_gpu_solid
     use brz_solid_start, only: solid_time_step
     use gpu_scenes, only: make_solid
     use gpu_tools, only: get_device, start_timer, stop_timer
-    use brz_motion_steps, only: kick_bodies
+    use brz_motion_driver, only: kick_bodies
     use brz_solid_device, only: solid_device_t
-    use brz_solid_list_steps, only: build_neighbours
-    use brz_solid_steps, only: solid_step
+    use brz_solid_list_driver, only: build_neighbours
+    use brz_solid_driver, only: solid_step
     use brz_solid_to_gpu, only: move_solid_to_gpu
     implicit none
 

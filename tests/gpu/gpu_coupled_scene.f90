@@ -6,7 +6,7 @@ module gpu_coupled_scene
     use brz_coupling_copy, only: open_gpu_coupling
     use brz_coupling_setup, only: couple
     use brz_coupling_state, only: coupling_t
-    use brz_deferred_source_steps, only: stored_totals
+    use brz_deferred_source_driver, only: stored_totals
     use brz_device, only: copy_in, device_t
     use brz_device_data, only: update_device
     use brz_errors, only: error_t, failed

@@ -6,7 +6,7 @@ module contact_tools
     use brz_kinds, only: dp
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step
-    use brz_solid_steps, only: solid_step
+    use brz_solid_driver, only: solid_step
     use shared_steps, only: solid_totals_t
     implicit none
     private

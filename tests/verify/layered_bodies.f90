@@ -9,7 +9,7 @@ module layered_bodies
     use brz_solid_gradients, only: gradient_pass
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step, start_solid
-    use brz_solid_steps, only: solid_step
+    use brz_solid_driver, only: solid_step
     use solid_scenes, only: metal, noise, solid_scene_t
     implicit none
     private

@@ -3,19 +3,19 @@
 !> nothing does.)
 module shared_steps
     use brz_air_state, only: air_t, wall_t
-    use brz_air_steps, only: step_of_air => air_step
-    use brz_cohesive_steps, only: pass_of_cohesive => cohesive_pass
+    use brz_air_driver, only: step_of_air => air_step
+    use brz_cohesive_driver, only: pass_of_cohesive => cohesive_pass
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t, failed
-    use brz_exchange_steps, only: load_of_air => spread_load, step_of_cells => reclassify, &
+    use brz_exchange_driver, only: load_of_air => spread_load, step_of_cells => reclassify, &
         wake_of_load => wake_loaded, walls_of_step => set_wall_velocity
     use brz_kinds, only: dp
-    use brz_load_steps, only: load_all_faces => load_faces
-    use brz_solid_list_steps, only: build_all_neighbours => build_neighbours
+    use brz_load_driver, only: load_all_faces => load_faces
+    use brz_solid_list_driver, only: build_all_neighbours => build_neighbours
     use brz_solid_start, only: resume_all => resume_solid
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: n_sum, solid_totals_t, totals_of_sums
-    use brz_total_steps, only: sums_of_bodies
+    use brz_total_driver, only: sums_of_bodies
     implicit none
     private
     public :: air_step, cohesive_pass, load_faces, build_neighbours, resume_solid
@@ -32,7 +32,7 @@ contains
         error stop 'a driver failed'
     end subroutine stop_if_failed
 
-    !> As brz_air_steps has it.
+    !> As brz_air_driver has it.
     subroutine air_step(air, wall, dt, status)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
@@ -44,7 +44,7 @@ contains
         call stop_if_failed(err)
     end subroutine air_step
 
-    !> As brz_cohesive_steps has it.
+    !> As brz_cohesive_driver has it.
     subroutine cohesive_pass(solid)
         type(solid_t), intent(inout) :: solid
         type(error_t) :: err
@@ -53,7 +53,7 @@ contains
         call stop_if_failed(err)
     end subroutine cohesive_pass
 
-    !> As brz_load_steps has it.
+    !> As brz_load_driver has it.
     subroutine load_faces(solid, dt)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
@@ -63,7 +63,7 @@ contains
         call stop_if_failed(err)
     end subroutine load_faces
 
-    !> As brz_solid_list_steps has it.
+    !> As brz_solid_list_driver has it.
     subroutine build_neighbours(solid, sort, stale)
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: sort
@@ -97,7 +97,7 @@ contains
         call totals_of_sums(solid, b, sums, totals)
     end subroutine solid_totals
 
-    !> As brz_exchange_steps has it, and those that follow.
+    !> As brz_exchange_driver has it, and those that follow.
     subroutine set_wall_velocity(air, solid, coupling, dt)
         type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid

@@ -10,7 +10,7 @@ module solid_scenes
     use brz_kinds, only: dp, rk
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step, start_solid
-    use brz_solid_steps, only: solid_step
+    use brz_solid_driver, only: solid_step
     use shared_steps, only: solid_totals, solid_totals_t
     implicit none
     private

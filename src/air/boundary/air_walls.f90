@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The immersed boundary as the air sees it: lists of the solid cells and of the wall faces, see
-!> brz_wall_items, and for the sweeps of the faces that a solid cell cuts out of the plain scheme.
-!> All lists grow only, and their order is that of the grid.
+!> brz_wall_loop_bodies, and for the sweeps of the faces that a solid cell cuts out of the plain
+!> scheme. All lists grow only, and their order is that of the grid.
 module brz_air_walls
     use brz_air_boundary, only: image_at
     use brz_air_grid, only: cell_at, grid_of, grid_t
@@ -11,7 +11,7 @@ module brz_air_walls
     use brz_kinds, only: int32, int8, rk
     use brz_lists, only: at_least, running_sum
     use brz_scheme, only: reach_of
-    use brz_wall_items, only: images_along
+    use brz_wall_loop_bodies, only: images_along
     use brz_wall_loops, only: each_count_faces, each_image_wall, each_list_faces, each_set_wall
     implicit none
     private

@@ -34,7 +34,7 @@ module brz_air_grid
         integer :: before(3) !! lines of the directions before
         integer :: lines !! of all directions
         integer :: segment(3) !! cells along a line that one thread takes, whole bricks
-        integer :: bricks(3) !! of cells, see brz_brick_items
+        integer :: bricks(3) !! of cells, see brz_brick_loop_bodies
         integer :: brick_step(3) !! distance of neighbouring bricks in the map of all
         integer :: prior(3) !! rates of the directions before: rate_none, ...
         integer :: last !! the last direction that is modelled

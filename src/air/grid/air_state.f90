@@ -99,7 +99,7 @@ module brz_air_state
         !! (faces of bricks at one end, n_var, low/high) what leaves in a stage
         integer, allocatable :: suspect(:)
         !! (blocks) cells of a block whose next state looks unphysical
-        integer(int8), allocatable :: bad(:, :, :) !! marks of a stage, see brz_fallback_items
+        integer(int8), allocatable :: bad(:, :, :) !! marks of a stage, see brz_fallback_loop_bodies
         integer :: found(1) = 0 !! 1: a cell has been marked
         type(grid_t), allocatable :: grid !! as set_grid has it, in steps
         logical :: swept = .false. !! a step has been made: a first one on a GPU is computed

@@ -168,8 +168,8 @@ contains
             words('bodies', "Ids of two bodies; one: that body and every other; '*': all; "// &
                 "'id*': all ids that begin so.", default="'*'", n_max=2), &
             words('law', 'contact: they press and rub; bonded: one continuum; shared: the '// &
-                'same while pressed together; cohesive: joined by an interface with strength and '// &
-                'energy, then contact; none: they pass each other.', default=required, &
+                'same while pressed together; cohesive: joined by an interface with strength '// &
+                'and energy, then contact; none: they pass each other.', default=required, &
                 choices='contact|bonded|shared|cohesive|none'), &
             number('friction', '-', "contact: Coulomb's coefficient.", default='0.0', lower=zero, &
                 upper=2*one), &

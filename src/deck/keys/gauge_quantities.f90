@@ -23,7 +23,7 @@ module brz_gauge_quantities
         integer :: gas = 0 !! its place in what is known at a point of the gas; 0: not of the air
         integer :: body = 0 !! its source in a particle; 0: not of a particle
         integer :: row = 0 !! its place in that source
-        integer :: whole = 0 !! of a whole body: place among the sums of brz_force_items, or
+        integer :: whole = 0 !! of a whole body: place among the sums of brz_force_loop_bodies, or
                              !! from_impulse and the next ones; 0: of a point
     end type quantity_t
 

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Angles of the plies of a laminate from a text: '0/45/-45/90', '7*(0/90)', '[0/90]s'.
 !>
-!> layup = item {'/' item}; item = [count '*'] (angle | bracket); bracket = '(' layup ')' ['s'],
-!> or with square brackets. The letter s behind a bracket adds its mirror image.
+!> layup = loop body {'/' loop body}; loop body = [count '*'] (angle | bracket); bracket = '(' layup
+!> ')' ['s'], or with square brackets. The letter s behind a bracket adds its mirror image.
 module brz_layup
     use brz_kinds, only: dp
     use brz_text, only: printable, to_text
@@ -32,7 +32,7 @@ contains
         if (message /= '') n = 0
     end subroutine parse_layup
 
-    !> Items separated by slashes, from text(i:) on.
+    !> Loop bodies separated by slashes, from text(i:) on.
     recursive subroutine parse_list(text, depth, i, angles, n, message)
         character(*), intent(in) :: text
         integer, intent(in) :: depth

@@ -2,7 +2,7 @@
 !> The inter-body neighbours of a particle, called links, as lists of links_t hold them on the CPU.
 module brz_link_rows
     use brz_bond_marks, only: tie_intact
-    use brz_contact_items, only: owner_of
+    use brz_contact_loop_bodies, only: owner_of
     use brz_force_layout, only: at_drag, at_heat, at_stiff
     use brz_interaction, only: law_bonded
     use brz_kinds, only: dp, int32, int64

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Totals of bodies from sums over their particles.
 module brz_solid_sums
-    use brz_force_items, only: n_sum
+    use brz_force_loop_bodies, only: n_sum
     use brz_kinds, only: dp, rk
     use brz_solid_state, only: solid_t
     implicit none

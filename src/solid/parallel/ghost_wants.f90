@@ -8,7 +8,7 @@
 module brz_ghost_wants
     use brz_cell_grid, only: reach_of_lists
     use brz_formulation_names, only: form_rigid, form_total
-    use brz_owner_items, only: near_region
+    use brz_owner_loop_bodies, only: near_region
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: links_reach, may_link
     use brz_message_exchange, only: tell_all

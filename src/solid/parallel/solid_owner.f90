@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> Particles on several processes: shares of them before the first lists are built, and what
-!> brz_owner_steps needs on the CPU.
+!> brz_owner_driver needs on the CPU.
 module brz_solid_owner
     use brz_kinds, only: dp, int64
     use brz_particle_order, only: reorder_particles

@@ -6,7 +6,7 @@
 !> proportion to the processes on each side. Cuts lie on the edges of the bins of a histogram, whose
 !> counts are whole numbers and added over all processes: all of them cut alike.
 module brz_solid_regions
-    use brz_owner_items, only: owner_of
+    use brz_owner_loop_bodies, only: owner_of
     use brz_kinds, only: dp, int64
     use brz_ranks, only: least_of_all, ranks_t, sum_of_all
     implicit none

@@ -49,7 +49,7 @@ contains
     pure subroutine end_motion(motion, time, dt, sums, account, work)
         type(motion_t), intent(inout) :: motion
         real(dp), intent(in) :: time, dt !! end and length of the step [s]
-        real(dp), intent(in) :: sums(6) !! of brz_force_items: sum_region
+        real(dp), intent(in) :: sums(6) !! of brz_force_loop_bodies: sum_region
         type(energy_account_t), intent(inout) :: account
         real(dp), intent(out) :: work !! of the load [J]
         real(dp) :: v(3)

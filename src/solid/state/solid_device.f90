@@ -107,7 +107,7 @@ module brz_solid_device
         integer, allocatable :: region_there(:) !! what it has of the regions of all processes
         type(doubles_t) :: region_at, wants !! small tables: these; the ways to need a ghost
         type(buffer_t) :: k_axes
-        ! parts of these arrays as items have them, under the names of solid_t
+        ! parts of these arrays as loop bodies have them, under the names of solid_t
         integer :: wide = 4, stride_d = 0, stride_p = 1, stride_t = 1
         type(doubles_t) :: x, x_ref, x_built, work, contact_heat
         type(reals_t) :: v, v_before, volume, a, load, face_stress, reaction_force, mass, mu, energy

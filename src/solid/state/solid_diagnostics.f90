@@ -47,7 +47,7 @@ contains
         call write_down(solid, reshape(total, shape(diagnostics%own)))
     end subroutine open_all_diagnostics
 
-    !> Room for what items record of particles; it is kept from one step to the next.
+    !> Room for what loop bodies record of particles; it is kept from one step to the next.
     subroutine begin_kick(solid)
         type(solid_t), intent(inout) :: solid
         integer :: n

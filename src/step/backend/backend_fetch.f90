@@ -8,7 +8,7 @@ module brz_backend_fetch
     use brz_coupling_copy, only: fetch_diagnostics, fetch_coupling, note_coupling
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: coupling_totals
-    use brz_deferred_source_steps, only: stored_totals
+    use brz_deferred_source_driver, only: stored_totals
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: fetch_air, fetch_cells, fetch_walls, note_air
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow

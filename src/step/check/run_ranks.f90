@@ -8,7 +8,7 @@ module brz_run_ranks
     use brz_boxes, only: cells_t, cells_of, common, cut_grid, most_boxes, widened
     use brz_case, only: case_t
     use brz_check_start, only: is_radial
-    use brz_cohesive_items, only: mark_glued, own_node, see_point
+    use brz_cohesive_loop_bodies, only: mark_glued, own_node, see_point
     use brz_cores, only: cores_for
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int32, int64

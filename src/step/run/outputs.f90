@@ -8,7 +8,7 @@ module brz_outputs
     use brz_command_line, only: options_t
     use brz_coupling_setup, only: restart_coupling
     use brz_dumps, only: cut_dumps, start_dumps
-    use brz_force_steps, only: forces_on_body
+    use brz_force_driver, only: forces_on_body
     use brz_errors, only: error_t, exit_io, exit_numerical, failed, raise
     use brz_gauge_quantities, only: from_impulse
     use brz_gauges, only: gauge_names, gauge_particles, gauge_places, gauge_points, gauge_row, &

@@ -2,7 +2,7 @@
 !> From the case to the scene at t = 0.
 module brz_simulation_setup
     use brz_air_setup, only: set_up_air
-    use brz_body_pair_force_steps, only: begin_body_pair_force
+    use brz_body_pair_force_driver, only: begin_body_pair_force
     use brz_body_setup, only: set_up_solid
     use brz_charge_loss, only: weigh_loss
     use brz_coupling_setup, only: set_up_coupling

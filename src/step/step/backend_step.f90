@@ -5,19 +5,19 @@ module brz_backend_step
     use brz_air_state, only: air_t
     use brz_air_sums, only: air_time_step
     use brz_backend, only: backend_t
-    use brz_body_pair_force_steps, only: record_body_pair_force
+    use brz_body_pair_force_driver, only: record_body_pair_force
     use brz_coupling_copy, only: fastest_wall, open_gpu_coupling
     use brz_coupling_state, only: coupling_t
     use brz_device, only: measure_memory
     use brz_errors, only: error_t, failed
-    use brz_force_steps, only: record_impulse
+    use brz_force_driver, only: record_impulse
     use brz_gpu_air_state, only: open_gpu_air
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_solid_to_gpu, only: move_solid_to_gpu
     use brz_kinds, only: dp
-    use brz_load_steps, only: load_faces
+    use brz_load_driver, only: load_faces
     use brz_solid_state, only: solid_t
-    use brz_solid_steps, only: solid_step
+    use brz_solid_driver, only: solid_step
     implicit none
     private
     public :: start_backend, limit_of_air, advance_solid

@@ -17,7 +17,7 @@ module brz_conservation_audit
     use brz_solid_diagnostics, only: diagnostics_t, close_all_diagnostics, open_all_diagnostics
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: n_sum, solid_totals_t, totals_of_sums
-    use brz_total_steps, only: sums_of_bodies
+    use brz_total_driver, only: sums_of_bodies
     implicit none
     private
     public :: balance_t, audit_start_t, audit_scene, is_balanced, energy_columns, audit_row

@@ -5,12 +5,12 @@ module brz_paper_step
     use brz_air_operations, only: update
     use brz_air_stage, only: stage_of
     use brz_air_state, only: air_ok, air_t, wall_t
-    use brz_air_steps, only: begin_step, take_rates
+    use brz_air_driver, only: begin_step, take_rates
     use brz_coupling_paper, only: add_forces, fill_solid_cells
     use brz_coupling_state, only: coupling_t
-    use brz_coupling_steps, only: move_walls
-    use brz_reclassification_steps, only: look_at_particles, put_up_walls
-    use brz_exchange_steps, only: load_carriers
+    use brz_coupling_driver, only: move_walls
+    use brz_reclassification_driver, only: look_at_particles, put_up_walls
+    use brz_exchange_driver, only: load_carriers
     use brz_errors, only: error_t
     use brz_kinds, only: dp
     use brz_runge_kutta, only: share_of

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The solids before their first time step: start_solid once, or resume_solid after a restart; then
-!> solid_step (brz_solid_steps) again and again. On the CPU, also of scenes that a GPU goes on with.
+!> solid_step (brz_solid_driver) again and again. On the CPU, also of scenes that a GPU goes on
+!> with.
 module brz_solid_start
     use brz_errors, only: error_t
     use brz_kinds, only: dp
@@ -12,10 +13,10 @@ module brz_solid_start
     use brz_solid_ghosts, only: refresh_bonds, refresh_motion
     use brz_solid_links, only: first_bonds
     use brz_solid_motion, only: count_support
-    use brz_solid_list_steps, only: build_neighbours
+    use brz_solid_list_driver, only: build_neighbours
     use brz_contact_surface, only: find_contact_surface
     use brz_solid_state, only: solid_t
-    use brz_solid_steps, only: find_forces_of, solid_step
+    use brz_solid_driver, only: find_forces_of, solid_step
     use brz_solid_tilts, only: find_tilts
     implicit none
     private

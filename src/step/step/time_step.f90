@@ -3,14 +3,14 @@
 module brz_time_step
     use brz_air_setup, only: time_step_ramp
     use brz_air_state, only: air_ok
-    use brz_air_steps, only: air_step
+    use brz_air_driver, only: air_step
     use brz_backend_step, only: advance_solid, limit_of_air
-    use brz_inflow_steps, only: let_in
+    use brz_inflow_driver, only: let_in
     use brz_paper_step, only: move_paper_walls, paper_step
     use brz_clock, only: next_due
     use brz_device, only: wait_for_device
     use brz_errors, only: error_t, exit_numerical, failed, raise
-    use brz_exchange_steps, only: reclassify, set_wall_velocity, spread_load, wake_loaded
+    use brz_exchange_driver, only: reclassify, set_wall_velocity, spread_load, wake_loaded
     use brz_face_load, only: first_arrival
     use brz_host_calls, only: enter_part
     use brz_kinds, only: dp, int64

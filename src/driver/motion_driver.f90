@@ -1,0 +1,78 @@
+! SPDX-License-Identifier: MIT
+!> How particles move in a step: kick and drift, and how far they have gone since their lists were
+!> built.
+module brz_motion_driver
+    use brz_air_force, only: load_of
+    use brz_device, only: clear_buffer
+    use brz_device_data, only: update_host
+    use brz_formulation_names, only: form_rigid, form_total
+    use brz_gpu_solid_motion, only: size_particles
+    use brz_kinds, only: dp, int64, rk
+    use brz_list_drift, only: level_unit
+    use brz_motion_loops, only: for_each_drift_particle, for_each_note_particle
+    use brz_skin_level, only: skin_levels
+    use brz_solid_diagnostics, only: begin_kick, record_work
+    use brz_solid_state, only: solid_t
+    use brz_errors, only: error_t
+    implicit none
+    private
+    public :: kick_bodies, find_levels
+
+contains
+
+    !> Velocity by the mean of the last and this time step, then position, and how far the particles
+    !> have gone; of rigid bodies, which have moved already, that alone.
+    subroutine kick_bodies(solid, dt, err)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+        real(dp) :: unit
+        integer :: b, n
+
+        if (solid%on_gpu) then
+            call clear_buffer(solid%device%flags, err)
+            call size_particles(solid%device, solid, err)
+        else
+            call begin_kick(solid)
+        end if
+        do b = 1, size(solid%bodies)
+            associate (body => solid%bodies(b), there => solid%bodies(b))
+                if (body%inactive) cycle
+                n = there%last - there%first + 1
+                unit = level_unit(solid)
+                if (body%formulation == form_rigid) then
+                    call for_each_note_particle(solid%on_gpu, n, b, there%first, solid%wide, &
+                        unit, body%drift(1), body%drift(2), body%drift(3), solid%fixed, solid%x, &
+                        solid%x_built, solid%moved, err)
+                    cycle
+                end if
+                ! such a body keeps its list
+                if (body%formulation == form_total .and. .not. solid%links%present) &
+                    unit = sqrt(huge(dt))/(2*skin_levels)
+                call for_each_drift_particle(solid%on_gpu, n, b, there%first, solid%wide, &
+                    solid%stride_d, solid%stride_p, real((solid%dt_last + dt)/2, rk), dt, &
+                    merge(1, 0, allocated(solid%load)), unit, body%drift(1), body%drift(2), &
+                    body%drift(3), solid%a, load_of(solid), solid%mass, solid%fixed, &
+                    solid%x_built, solid%x, solid%v, solid%work, solid%moved, err)
+            end associate
+        end do
+        if (.not. solid%on_gpu) call record_work(solid)
+    end subroutine kick_bodies
+
+    !> How far the particles of each body have moved relative to it since its list was built: the
+    !> highest level of brz_list_drift, of this process, at the last kick.
+    subroutine find_levels(solid, level, err)
+        type(solid_t), intent(inout) :: solid
+        integer(int64), intent(out) :: level(:) !! (bodies)
+        type(error_t), intent(inout) :: err
+        integer :: b
+
+        if (solid%on_gpu) then
+            solid%moved = 0
+            call update_host(solid%moved, err)
+        end if
+        do b = 1, size(solid%bodies)
+            level(b) = findloc(solid%moved(:, b), 1, dim=1, back=.true.)
+        end do
+    end subroutine find_levels
+end module brz_motion_driver

@@ -1,0 +1,90 @@
+! SPDX-License-Identifier: MIT
+!> Neighbour lists and links built anew: the list of operations.
+module brz_solid_list_driver
+    use brz_cohesive_driver, only: place_nodes
+    use brz_errors, only: error_t
+    use brz_owner_driver, only: go_to_owners, lay_ghosts
+    use brz_kinds, only: dp, int64
+    use brz_list_drift, only: begin_list, decide_part, may_renew
+    use brz_ranks, only: several, sum_of_all
+    use brz_solid_backend, only: build_links, build_list, choose_lists, mean_velocity, note_boxes, &
+        note_positions, refresh_kept, renew_places, renew_sleepers, settle_links, sort_body
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: build_neighbours
+
+contains
+
+    !> Build the lists and the links. With `sort`, the particles of all bodies, or of the `stale`
+    !> ones, are first brought into the order of the cells at their present positions, and go to the
+    !> processes in whose regions these are; other lists stay. Without, the lists of the positions
+    !> `x_built` are restored.
+    subroutine build_neighbours(solid, sort, err, stale)
+        type(solid_t), intent(inout) :: solid
+        logical, intent(in) :: sort
+        type(error_t), intent(inout) :: err
+        logical, intent(in), optional :: stale(:) !! (bodies)
+        logical :: anew(size(solid%bodies)), whole(size(solid%bodies)), sorted
+        integer :: b, news(size(solid%bodies))
+
+        anew = .true.
+        if (present(stale)) anew = stale
+        solid%part%far = 0
+        if (solid%on_gpu .and. sort .and. solid%part%keeps) call refresh_kept(solid%device, err)
+        do b = 1, size(anew)
+            if (sort .and. anew(b)) call note_places(solid, b, err)
+        end do
+        solid%part%recut = .false.
+        ! on the CPU particles change places whenever lists are built
+        sorted = sort .or. several(solid%ranks) .and. .not. solid%on_gpu
+        anew = anew .or. several(solid%ranks) .and. .not. solid%on_gpu
+        solid%part%keeps = solid%part%keeps .and. sorted
+        whole = .not. solid%bodies%cells%in_part
+        if (several(solid%ranks)) whole = anew .and. whole .or. .not. solid%part%keeps
+        if (sorted .and. several(solid%ranks)) call go_to_owners(solid, anew, whole, err)
+        do b = 1, size(anew)
+            if (sorted .and. anew(b) .and. whole(b)) call sort_body(solid, b, err)
+        end do
+        if (solid%on_gpu) call note_boxes(solid%device, solid, anew, err)
+        call settle_links(solid, .not. sort, err)
+        news = 0
+        if (sorted .and. several(solid%ranks)) call lay_ghosts(solid, anew, whole, news, err)
+        where (whole) solid%bodies%cells%in_part = .false.
+        do b = 1, size(anew)
+            if (solid%on_gpu .and. anew(b) .and. .not. whole(b)) &
+                call choose_lists(solid, b, news(b), err)
+            if (anew(b)) call build_list(solid, b, err)
+            solid%bodies(b)%cells%in_part = .false.
+        end do
+        call build_links(solid, err)
+        call place_nodes(solid, err)
+        if (solid%on_gpu) call renew_sleepers(solid%device, solid, err)
+    end subroutine build_neighbours
+
+    !> The list of body b is about to be built for the places of now: of all its particles, or only
+    !> near those that have moved far, if these are few.
+    subroutine note_places(solid, b, err)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        type(error_t), intent(inout) :: err
+        integer(int64) :: moved(3)
+        real(dp) :: v(3)
+        logical :: in_part
+
+        if (may_renew(solid, b)) then
+            call renew_places(solid, b, moved, err)
+            call sum_of_all(solid%ranks, moved)
+            call decide_part(solid, b, moved(1), in_part)
+            if (solid%bodies(b)%cells%in_part .and. .not. solid%on_gpu) &
+                call choose_lists(solid, b, 0, err)
+            if (in_part) then
+                where (moved(2:) > 0) solid%part%far = 1
+                return
+            end if
+        end if
+        call note_positions(solid, b, err)
+        call mean_velocity(solid, b, v, err)
+        call begin_list(solid, b, v)
+    end subroutine note_places
+end module brz_solid_list_driver
