@@ -53,7 +53,8 @@ contains
                 end if
                 if (body%motion%n > 0 .and. body%formulation /= form_rigid) &
                     call for_each_drive_particle(solid%on_gpu, there%last - there%first + 1, &
-                        there%first, solid%wide, 0, dt, v(1), v(2), v(3), solid%fixed, solid%x, solid%v, err)
+                        there%first, solid%wide, 0, dt, v(1), v(2), v(3), solid%fixed, solid%x, &
+                        solid%v, err)
                 if (allocated(body%regions)) call move_regions(solid, b, dt, err)
                 if (body%formulation /= form_rigid) cycle
                 call advance_rigid(body, (solid%dt_last + dt)/2, dt, v, omega, q_mid)
