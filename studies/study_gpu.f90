@@ -38,6 +38,7 @@ contains
     subroutine point_blast(n)
         integer, intent(in) :: n
         type(air_t) :: air
+        type(wall_t) :: wall
         type(air_result_t) :: seen
         real(dp) :: t, dt, start
         integer :: step

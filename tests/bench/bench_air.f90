@@ -9,6 +9,7 @@
 program bench_air
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_bench_floors, only: core_time, floors_t, measure_floors
+    use brz_errors, only: error_t
     use brz_kinds, only: dp, int64, rk
     use brz_air_state, only: air_t, wall_t
     use brz_air_setup, only: make_grid
@@ -125,6 +126,7 @@ contains
         real(dp), intent(out) :: clock, core
         integer(int64) :: start, finish, rate
         integer :: s, status
+        type(error_t) :: err
 
         call system_clock(start, rate)
         core = -core_time()

@@ -55,6 +55,7 @@ contains
         real(dp), intent(in) :: share !! of each side of the box that is not at rest
         integer, parameter :: steps = 10
         type(air_t) :: air
+        type(wall_t) :: wall
         real(dp) :: dt, seconds
         integer :: h, m, status
 
