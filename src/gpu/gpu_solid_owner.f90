@@ -75,7 +75,7 @@ contains
     !> The regions of all processes, where they are others than the GPU has.
     subroutine put_region(gpu, region, err)
         type(solid_device_t), intent(inout) :: gpu
-        real(dp), intent(in) :: region(:, :, :) !! (3, 2, processes) corners [m]
+        real(dp), intent(in), contiguous :: region(:, :, :) !! (3, 2, processes) corners [m]
         type(error_t), intent(inout) :: err
 
         call put_changed(transfer(region, [0]), gpu%region_there, gpu%region_at, err)
@@ -85,7 +85,7 @@ contains
     !> The ways of a body to need a ghost, which have a copy until they are given others.
     subroutine put_wants(gpu, want, err)
         type(solid_device_t), intent(inout) :: gpu
-        real(dp), intent(in) :: want(:, :, :)
+        real(dp), intent(in), contiguous :: want(:, :, :)
         type(error_t), intent(inout) :: err
 
         call reserve_buffer(gpu%wants, 8_int64*size(want), err)

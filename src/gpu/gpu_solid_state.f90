@@ -266,8 +266,8 @@ contains
         type(links_t), intent(inout) :: links
 
         if (.not. allocated(links%row)) allocate (links%row(1))
-        if (.not. allocated(links%slice)) allocate (links%slice(1))
-        if (.not. allocated(links%count)) allocate (links%count(1))
+        if (.not. allocated(links%slice)) allocate (links%slice(0:1))
+        if (.not. allocated(links%count)) allocate (links%count(0:1))
         if (.not. allocated(links%list)) allocate (links%list(1))
         if (.not. allocated(links%press)) allocate (links%press(n_press, 0:1))
         if (.not. allocated(links%push)) allocate (links%push(9, 0:1))
@@ -282,8 +282,8 @@ contains
         call attach(links%bond, gpu%links%bond)
         if (allocated(links%joined)) call attach(links%joined, gpu%links%joined)
         call attach(links%row, gpu%links%row)
-        call attach(links%slice, gpu%links%slice)
-        call attach(links%count, gpu%links%count)
+        call attach(links%slice(1:), gpu%links%slice)
+        call attach(links%count(1:), gpu%links%count)
         call attach(links%list, gpu%links%list)
         call attach(links%press(:, 1:), gpu%links%press)
         call attach(links%push(:, 1:), gpu%extra)
