@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Ghosts on their way between processes: see brz_coupling_ghost_driver.
+!> Ghost exchange in the coupling halo: ghosts on their way between processes, see
+!> brz_coupling_ghost_driver.
 module brz_coupling_ghosts
     use brz_air_part, only: halo_of
     use brz_air_state, only: air_t

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Failure criteria and growth of damage of an orthotropic ply; axes and orders: ply_stress.f90.
+!> Progressive damage of an orthotropic ply: failure criteria and growth of damage; axes and orders:
+!> ply_stress.f90.
 !>
 !> Point physics: compiled for the CPU and for the GPU.
 module brz_ply_failure

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The rate factor of Cowper and Symonds, 1 + (rate/D)^(1/q). Point physics.
+!> The strain rate factor of Cowper and Symonds, 1 + (rate/D)^(1/q). Point physics.
 !>
 !> Source: Cowper & Symonds 1957
 module brz_rate_factor

@@ -163,14 +163,14 @@ def test_bad_override_is_named(override, words, tmp_path):
 
 def test_an_old_name_of_a_key_is_read_and_told(tmp_path):
     """In a deck and in --set; both names are a key that stands twice; --describe says it."""
-    told = "key 'tensile_control' is called 'tensile_control' now"
+    told = "key 'tension_hold' is called 'tensile_control' now"
     metal = GOOD.replace("material='steel'", "material='steel', formulation='corrected_hourglass'")
-    old = metal.replace("spacing=0.01,", "spacing=0.01, tensile_control=2.5,")
+    old = metal.replace("spacing=0.01,", "spacing=0.01, tension_hold=2.5,")
     new = metal.replace("spacing=0.01,", "spacing=0.01, tensile_control=2.5,")
     texts = [
         check(tmp_path, old),
         check(tmp_path, new),
-        check(tmp_path, metal, "--set", "body.tensile_control=2.5"),
+        check(tmp_path, metal, "--set", "body.tension_hold=2.5"),
     ]
     for code, text in texts:
         assert code == 0, text
@@ -178,11 +178,11 @@ def test_an_old_name_of_a_key_is_read_and_told(tmp_path):
     assert f"case.nml:9: warning: &body id='plate': {told}" in texts[0][1]
     assert told not in texts[1][1]
     assert told in texts[2][1]
-    both = new.replace("tensile_control=2.5,", "tensile_control=2.5, tensile_control=2,")
+    both = new.replace("tensile_control=2.5,", "tensile_control=2.5, tension_hold=2,")
     code, text = check(tmp_path, both)
     assert code == 2
     assert "key 'tensile_control' stands twice" in text
-    assert "Also read as tensile_control, its old name." in run(tmp_path, "--describe", "body")[1]
+    assert "Also read as tension_hold, its old name." in run(tmp_path, "--describe", "body")[1]
 
 
 @pytest.mark.parametrize(

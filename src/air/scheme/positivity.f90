@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Positivity: when a new state of the gas is none, for the fallback. Point physics.
+!> Positivity limiter: when a new state of the gas is none, for the fallback. Point physics.
 module brz_positivity
     use brz_kinds, only: rk
     use brz_scheme, only: max_var

@@ -141,7 +141,7 @@ contains
                 'the laminate; F: that of an isotropic plate.', 'T'), &
             number('zeta_viscous', '-', 'corrected_hourglass: strength of the viscous '// &
                 'hourglass force.', default='0.05', lower=zero, upper=one), &
-            also_called('tensile_control', number('tensile_control', '-', &
+            also_called('tension_hold', number('tensile_control', '-', &
                 'corrected_hourglass: control of the tensile instability: stiffness over the '// &
                 'largest principal tension; if absent 3, in fluids 0. Below 1.25 bodies tear '// &
                 'by themselves. Faces of plates have twice it.', lower=zero, upper=12*one)), &
