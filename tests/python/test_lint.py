@@ -52,7 +52,10 @@ RULES = [
     ({"odd/a.f90": {}}, "src/odd is no layer"),
     ({"air/step/a.f90": {}, "air/grid/b.f90": {"use": USE}}, "b.f90:3: grid must not use brz_a of"),
     (
-        {"air/step/a_loop_bodies.f90": {}, "air/grid/b.f90": {"use": USE.replace("_a", "_a_loops")}},
+        {
+            "air/step/a_loop_bodies.f90": {},
+            "air/grid/b.f90": {"use": USE.replace("_a", "_a_loops")},
+        },
         "grid must not use brz_a_loops of step",
     ),
     ({"materials/driver/a.f90": {}, "materials/b.f90": {"use": USE}}, ". must not use brz_a of d"),
