@@ -43,6 +43,7 @@ def alone(tmp_path_factory):
     return folder / "out"
 
 
+@pytest.mark.long("runs on several processes")
 @needs_mpirun
 @pytest.mark.parametrize("n", [slow(2), 3, slow(4)])
 def test_loads_do_not_depend_on_processes(n, alone, tmp_path):
