@@ -6,7 +6,7 @@ module brz_buffers
     use brz_kinds, only: rk
     implicit none
     private
-    public :: buffer_t, reals_t, doubles_t, integers_t, bytes_t, bytes_each, from
+    public :: buffer_t, reals_t, doubles_t, integers_t, bytes_t, from
     public :: arguments_t, most_arguments, not_present
 
     integer(c_intptr_t), parameter :: not_present = -huge(1_c_intptr_t)
@@ -104,21 +104,6 @@ contains
         call self%add_long(int(x%address, c_int64_t))
         if (x%address == not_present) self%missing = self%n
     end subroutine add_buffer
-
-    !> Bytes of one of its numbers.
-    pure integer(c_size_t) function bytes_each(buffer) result(bytes)
-        class(buffer_t), intent(in) :: buffer
-
-        bytes = 8
-        select type (buffer)
-        type is (reals_t)
-            bytes = storage_size(1.0_rk)/8
-        type is (integers_t)
-            bytes = 4
-        type is (bytes_t)
-            bytes = 1
-        end select
-    end function bytes_each
 
     pure type(reals_t) function from_real(whole, first) result(part)
         type(reals_t), intent(in) :: whole

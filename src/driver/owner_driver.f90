@@ -19,7 +19,7 @@ module brz_owner_driver
     use brz_cohesive_driver, only: mark_glue, note_owners
     use brz_ghost_wants, only: owners_of, most_outside, of_lists, planes_of, wants_of
     use brz_errors, only: error_t
-    use brz_home_backend, only: change_hands, fetch_homes, find_boxes, find_lowest, lay_arrays, &
+    use brz_owner_backend, only: change_hands, fetch_homes, find_boxes, find_lowest, lay_arrays, &
         list_leaving, put_region, put_wants, settle_places, swap_ghosts
     use brz_gpu_solid_state, only: note_ranges
     use brz_owner_loops, only: for_each_mark_owner, for_each_mark_near

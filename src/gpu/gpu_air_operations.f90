@@ -17,7 +17,7 @@ module brz_gpu_air_operations
     use brz_ranks, only: reduce_errors
     implicit none
     private
-    public :: get_ready, sweep_all, find_bad, take_found, redo, find_lost_cell
+    public :: get_ready, sweep_all, find_bad, redo, find_lost_cell
     public :: offer_ghosts, take_ghosts
 
 contains

@@ -21,7 +21,7 @@ module brz_solid_ghosts
     public :: refresh_motion, refresh_rows, refresh_press, refresh_bonds, refresh_joined
     public :: send_ghosts
     public :: send_particles
-    public :: all_of_it, of_a_checkpoint, for_the_air, of_air_motion
+    public :: all_of_it, of_a_checkpoint
 
     integer, parameter :: all_of_it = 1 !! the particle goes for good
     integer, parameter :: for_a_ghost = 2 !! what a ghost ever needs
@@ -30,9 +30,7 @@ module brz_solid_ghosts
     integer, parameter :: of_a_checkpoint = 5 !! what a checkpoint holds
     integer, parameter :: of_linked_rows = 6 !! as of_rows, where bodies meet
     integer, parameter :: of_bonds = 7 !! which of them are whole
-    integer, parameter :: for_the_air = 8 !! what the coupling needs
-    integer, parameter :: of_air_motion = 9 !! what of it changes in a step
-    integer, parameter :: of_interfaces = 10 !! which hold it
+    integer, parameter :: of_interfaces = 8 !! which hold it
 
 contains
 
@@ -163,11 +161,6 @@ contains
             is_sent = any(field%name == [character(16) :: 'x', 'v', 'volume', 'h'])
         case (of_a_checkpoint)
             is_sent = field%kept .or. field%name == 'v_before'
-        case (for_the_air)
-            is_sent = any(field%name == [character(16) :: 'x', 'v', 'mass', 'volume', 'id', &
-                                         'fixed', 'load', 'v_before'])
-        case (of_air_motion)
-            is_sent = any(field%name == [character(16) :: 'x', 'v', 'fixed', 'load'])
         case (of_rows)
             is_sent = any(field%name == [character(16) :: 'pair', 'k_axes', 'held'])
         case (of_bonds)

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> What brz_owner_driver leaves to each backend: how particles and ghosts travel, and what follows
 !> from their places.
-module brz_home_backend
+module brz_owner_backend
     use brz_errors, only: error_t
     use brz_ghost_wants, only: cpu_find_boxes => find_boxes, cpu_find_lowest => find_lowest, &
         owners_of
@@ -160,4 +160,4 @@ contains
             call cpu_settle_places(solid)
         end if
     end subroutine settle_places
-end module brz_home_backend
+end module brz_owner_backend
