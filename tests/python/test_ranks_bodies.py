@@ -69,6 +69,7 @@ def bodies_alone(tmp_path_factory):
 
 
 @needs_mpirun
+@pytest.mark.long("three processes on two cores, until the bodies have met and left each other")
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("n", [slow(2), 3, slow(4)])
 def test_bodies_do_not_depend_on_processes(n, name, bodies_alone, tmp_path):

@@ -57,6 +57,7 @@ def test_debris_does_not_depend_on_processes(backend, tmp_path):
 
 
 @needs_mpirun
+@pytest.mark.long("the emulated GPUs of two processes, until a ball has changed between them")
 def test_the_room_of_a_body_grows(tmp_path):
     """A ball slides along a plate to another GPU, which lays its arrays anew in the middle: the
     pressure that bodies share in contact reads stresses that lie further apart then."""

@@ -129,6 +129,7 @@ def test_wall_gauges_after_a_restart(alone, tmp_path):
 
 
 @pytest.mark.skipif(not EMULATOR.exists(), reason="make emulator builds it")
+@pytest.mark.long("the emulated GPU, until the walls have moved through several cells")
 def test_wall_gauges_on_the_gpu(alone, tmp_path):
     """The walls move, so that velocities of another row or another cell would be seen. All cells
     that gauges look at are fetched, also where one of eight counts and holds solid."""
