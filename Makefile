@@ -43,7 +43,7 @@ TOLD      = 2>$(@:.o=.log) || { cat $(@:.o=.log) >&2; exit 1; }; cat $(@:.o=.log
 # --- sources: whatever is there ----------------------------------------------------------------
 SRC  := $(sort $(shell find src -name '*.f90' -o -name '*.F90'))
 MAIN := $(wildcard src/main.f90)
-# Loops, kernels and launches are written around loop bodies: docs/extending.md
+# Loops, kernels and launches are written around loop bodies: docs/manual/extending.md
 MADE  := build/made
 LOOP_BODIES := $(filter %_loop_bodies.f90,$(SRC))
 BODY_NAMES := $(patsubst %_loop_bodies,%,$(basename $(notdir $(LOOP_BODIES))))
@@ -231,8 +231,8 @@ format: ## format all sources
 figures: ## are the figures in the tables of docs those of the tests? (after verify and python; ARGS=--write; TIER=quick: those that were measured)
 	@$(if $(filter mixed,$(PRECISION)),echo 'skipped: the tables are those of real64',\
 	$(PY) scripts/figures.py $(if $(filter quick,$(TIER)),--some) $(NOTES) $(PYTHON_NOTES) $(ARGS))
-check-docs: all ## is docs/deck_reference.md what the program says?
-	@if [ -x $(BIN) ]; then $(BIN) --describe --markdown | diff -u docs/deck_reference.md -; \
+check-docs: all ## is docs/manual/deck_reference.md what the program says?
+	@if [ -x $(BIN) ]; then $(BIN) --describe --markdown | diff -u docs/manual/deck_reference.md -; \
 	else echo 'skipped: there is no $(BIN)'; fi
 gpu-check: $(MADE)/model_list.f90 $(MADE)/flow_list.f90 ## compile all point physics as CUDA Fortran for the GPU, in mixed precision (make gpu compiles the other)
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC) $^

@@ -60,7 +60,7 @@ def oblique_shares(cosine: float) -> tuple[float, float]:
     `cosine` c of the angle of incidence: p = p_r c^2 + p_i (1 + c - 2 c^2), and p_i alone where it
     looks away (c < 0). Never below p_i where p_r >= p_i, and p_i (1 + c) for sound (p_r = 2 p_i).
     Source: G. Randers-Pehrson, K. A. Bannister, ARL-TR-1310 (1997), whose printed share of the
-    incident wave, 1 + c^2 - 2 c, has c and its square exchanged (docs/blast.md).
+    incident wave, 1 + c^2 - 2 c, has c and its square exchanged (docs/manual/blast.md).
     """
     c = max(cosine, 0.0)
     return c * c, 1 + c - 2 * c * c

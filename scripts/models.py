@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Write the registry of the material models, and their kernels; docs/extending.md says how.
+"""Write the registry of the material models, and their kernels; docs/manual/extending.md says how.
 
 usage: models.py OUTDIR FILE...    (model_list.f90, flow_list.f90, model_kernels.CUF)
 

@@ -35,7 +35,7 @@ LAYERS = [
     {"coupling"},
 ]
 LAYERS += [{"cpu", "gpu"}, {"driver"}, {"output"}, {"step"}, {"main"}]
-# "." are files beside the rooms; docs/extending.md says what is in each
+# "." are files beside the rooms; docs/manual/extending.md says what is in each
 ROOMS = {
     "deck": "keys read check",
     "materials": ". driver",

@@ -3,7 +3,7 @@
 """Blasts of TNT in free air against Kingery-Bulmash and Kinney-Graham: run, measure, record, draw.
 
 Writes docs/data/free_air_blast.csv and docs/figures/free_air_blast.png. Ends with an error where a
-ratio leaves its band; docs/validation.md has the reasons for bands wider than the goals.
+ratio leaves its band; docs/evidence/validation.md has the reasons for bands wider than the goals.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def goal(quantity: str, z: float) -> float | None:
 
 
 def band(model: str, quantity: str, z: float) -> tuple[float, float]:
-    """Accepted ratios to Kingery-Bulmash; wider than the goal where docs/validation.md says why."""
+    """Accepted ratios to Kingery-Bulmash; wider than the goal where docs/evidence/validation.md says why."""
     if "burns" in model or quantity == "duration":
         return 0, np.inf
     wide = goal(quantity, z)

@@ -2,7 +2,7 @@
 !> The coupling of Chen et al. as printed, to compare with: solid cells are filled with gas before
 !> every stage, ordinary fluxes run through them, and the force is what they would do to that gas.
 !>
-!> It loses mass and lets gas through thin solids: docs/coupling.md shows how much.
+!> It loses mass and lets gas through thin solids: docs/theory/coupling.md shows how much.
 module brz_coupling_paper
     use brz_air_state, only: air_t
     use brz_cell_shells, only: neighbour_or_image

@@ -3,7 +3,7 @@
 !>
 !> Deck:    &material model='linear_elastic'
 !> Method:  p = K mu in total form; deviator S_new = Q (Q S Q^T + 2 G dt dev d) Q^T with Q the
-!>          rotation of half a step; see docs/materials.md
+!>          rotation of half a step; see docs/theory/materials.md
 !> History: none
 module brz_linear_elastic
     use brz_kinds, only: dp, rk

@@ -212,7 +212,7 @@ DRUM = """
 
 
 def test_a_cylinder_of_few_cells_is_better_started_in_its_plane(tmp_path):
-    """Where there is room, as the program then takes it; by how much: docs/blast.md."""
+    """Where there is room, as the program then takes it; by how much: docs/manual/blast.md."""
     deck = tmp_path / "drum.nml"
     deck.write_text(DRUM, encoding="utf-8")
     told = [text for text in advice(deck) if START in text]

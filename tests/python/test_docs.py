@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "tests/pfstub/README.md"]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), ROOT / "tests/pfstub/README.md"]
+NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
 # what make, a run or a user makes; the same words begin paths in examples
 MADE = ("bin/", "build/", "out/", "gpu/")
 FOLDERS = {path.name for path in ROOT.iterdir() if path.is_dir()}
@@ -49,7 +50,7 @@ def is_a_source(name):
     return any(is_there(f"{folder}/**/{name}") for folder in folders)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=[page.name for page in PAGES])
+@pytest.mark.parametrize("page", PAGES, ids=NAMES)
 def test_files_that_a_page_names_are_there(page):
     """Paths from the root of the project, and links from the page."""
     text = page.read_text()
@@ -61,7 +62,7 @@ def test_files_that_a_page_names_are_there(page):
     assert not missing
 
 
-@pytest.mark.parametrize("page", PAGES, ids=[page.name for page in PAGES])
+@pytest.mark.parametrize("page", PAGES, ids=NAMES)
 def test_targets_that_a_page_names_are_there(page):
     """`make target` in code, with or without variables."""
     text = page.read_text()
@@ -102,7 +103,7 @@ def is_known(name, known):
     return bool(name in known or (item and item[1] in known) or (family and family[1] in known))
 
 
-@pytest.mark.parametrize("page", PAGES, ids=[page.name for page in PAGES])
+@pytest.mark.parametrize("page", PAGES, ids=NAMES)
 def test_procedures_that_a_page_names_are_there(page, known_names):
     """Names of procedures, keys and columns, as `sort_bin`."""
     missing = {name for name in names_in(page.read_text()) if not is_known(name, known_names)}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Who searches the sources for a term of the field finds the file that docs/glossary.md names."""
+"""Who searches the sources for a term of the field finds the file that docs/manual/glossary.md names."""
 
 import re
 from pathlib import Path
@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 ROW = re.compile(r"^\| (?P<term>[^|]+) \| (?P<here>[^|]+) \| `(?P<file>[^`]+)` \|$", re.M)
 ROWS = [
     pytest.param(term, row["file"], id=term)
-    for row in ROW.finditer((ROOT / "docs/glossary.md").read_text())
+    for row in ROW.finditer((ROOT / "docs/manual/glossary.md").read_text())
     for term in row["term"].split(", ")
 ]
 

@@ -5,7 +5,7 @@
 !> loaded segment: the vectors to its neighbours in the layer span its area and show its normal, so
 !> that the load follows the face as it stretches, bends and turns.
 !>
-!> Source: docs/blast.md, loads without air
+!> Source: docs/manual/blast.md, loads without air
 module brz_face_load
     use brz_kinds, only: dp, int32
     use brz_loads, only: loaded_segments_t, load_history_t, loads_t

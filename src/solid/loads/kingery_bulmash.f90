@@ -137,7 +137,7 @@ contains
     !> away (c < 0). Never below p_i where p_r >= p_i, and p_i (1 + c) for sound, where p_r = 2 p_i.
     !>
     !> Source: G. Randers-Pehrson, K. A. Bannister, ARL-TR-1310 (1997), whose printed share of the
-    !> incident wave, 1 + c^2 - 2 c, has c and its square exchanged (docs/blast.md).
+    !> incident wave, 1 + c^2 - 2 c, has c and its square exchanged (docs/manual/blast.md).
     pure function oblique_shares(cosine) result(share)
         real(dp), intent(in) :: cosine
         real(dp) :: share(2) !! reflected, incident

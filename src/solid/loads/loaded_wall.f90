@@ -6,7 +6,7 @@
 !> segments are wider than the ring by their radii, and by 1/cos(pi/n): their edges then lie on that
 !> surface, and the push on half of the unloaded wall is pressure times diameter times length.
 !>
-!> Source: docs/blast.md, loads without air
+!> Source: docs/manual/blast.md, loads without air
 module brz_loaded_wall
     use brz_body, only: body_t
     use brz_body_shape, only: axis_of, layers_of, shape_t

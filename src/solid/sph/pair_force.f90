@@ -5,7 +5,7 @@
 !> Every force here changes sign when the particles change places: momentum is conserved to
 !> rounding whatever the state of the material. w = V_i V_j F_ij, x_ij = x_i - x_j. Point physics.
 !>
-!> Source: docs/solid.md section 4
+!> Source: docs/theory/solids.md section 4
 module brz_pair_force
     use brz_kinds, only: rk
     implicit none
@@ -57,7 +57,7 @@ contains
     !> With p = x_ij.H x_ij of each particle the jump is v_ij.x_ij less the harmonic mean of both p,
     !> which is 0 where their signs differ (van Leer's limiter): no jump is left in linear flow.
     !> Within a shock the gradients are those of a few spacings, and a part of v_ij.x_ij is left:
-    !> three times that keeps shocks from ringing (docs/solid.md). Seen is what lies between
+    !> three times that keeps shocks from ringing (docs/theory/solids.md). Seen is what lies between
     !> v_ij.x_ij and 0, and 0 where the pair parts: the force resists approach alone, by no more
     !> than without the limiter, and makes heat.
     !>

@@ -201,7 +201,7 @@ contains
     end function nearest_point
 
     !> What an open side sends back arrives as if from the mirror image of the charge behind it, at
-    !> the speed of sound behind the front or more (docs/air.md).
+    !> the speed of sound behind the front or more (docs/theory/air.md).
     subroutine judge_sides(case)
         type(case_t), intent(in) :: case
         character(:), allocatable :: names
@@ -240,7 +240,7 @@ contains
         call say_more('within the positive phase (until '// &
                       time_text(blast%arrival + blast%duration)//'); sides '// &
                       length_text(sqrt((distance + c*blast%duration)**2 - distance**2)/2)// &
-                      ' away keep it free (docs/air.md, how large a box)')
+                      ' away keep it free (docs/theory/air.md, how large a box)')
     end subroutine judge_sides
 
     !> Cells beyond the front at the end of the run: they cost memory alone.

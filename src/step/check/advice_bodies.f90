@@ -51,7 +51,7 @@ contains
         end do
     end subroutine advise_rigid
 
-    !> A thin plate alone that never breaks: wide particles bend as cubes do (docs/validation.md).
+    !> A thin plate alone that never breaks: wide particles bend as cubes do (docs/evidence/validation.md).
     subroutine advise_aspect(case, solid, work)
         type(case_t), intent(in) :: case
         type(solid_t), intent(in) :: solid
@@ -123,7 +123,7 @@ contains
     end subroutine advise_cracks
 
     !> A pipe of metal of few layers: no gradient of it is tilted, and it bends too softly
-    !> (docs/solid.md, section 4).
+    !> (docs/theory/solids.md, section 4).
     subroutine advise_walls(case, solid)
         type(case_t), intent(in) :: case
         type(solid_t), intent(in) :: solid
@@ -173,7 +173,7 @@ contains
                     call say_advice("'"//trim(input%id)//"' has four layers across "// &
                                     axes(a:a)//', which lock where it folds: a plastic hinge')
                     call say_more('carries 1.39 of its load and rising; 3, 5 or 6 layers '// &
-                                  '1.16 to 1.23 (docs/solid.md)')
+                                  '1.16 to 1.23 (docs/theory/solids.md)')
                 end if
                 if (nint(side(a)/input%spacing) /= 2) cycle
                 call say_advice("'"//trim(input%id)//"' has two layers across "//axes(a:a)// &

@@ -19,7 +19,7 @@ module brz_advice_start
 
     real(dp), parameter :: wanted = 8 !! cells across the radius of a charge on the grid
     real(dp), parameter :: least_room = 3 !! radii, so that the front runs to four: the products are
-    !! then an ideal gas within some per cent (docs/blast.md)
+    !! then an ideal gas within some per cent (docs/manual/blast.md)
 
 contains
 

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The work of a run, estimated with measured times of one core (docs/performance.md).
+!> The work of a run, estimated with measured times of one core (docs/evidence/performance.md).
 module brz_work
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_advice_text, only: time_text

@@ -133,7 +133,7 @@ contains
     end subroutine print_plane
 
     !> Part of the peak that cells of n from axis to edge miss, measured on a hemisphere on the
-    !> floor at 1 to 4 m/kg^(1/3) with 80, 160 and 240 of them (docs/blast.md).
+    !> floor at 1 to 4 m/kg^(1/3) with 80, 160 and 240 of them (docs/manual/blast.md).
     pure real(dp) function shortfall(n)
         integer, intent(in) :: n
         real(dp), parameter :: lost = 38 !! cells

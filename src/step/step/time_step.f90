@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> One step of the scene: the algorithm as a list of calls. See docs/theory.md.
+!> One step of the scene: the algorithm as a list of calls. See docs/theory/index.md.
 module brz_time_step
     use brz_air_setup, only: time_step_ramp
     use brz_air_state, only: air_ok

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Aluminium through aluminium at 3.1 km/s (docs/validation.md)."""
+"""Aluminium through aluminium at 3.1 km/s (docs/evidence/validation.md)."""
 
 from studies.comparisons import cylinder
 from studies.comparisons.case import Case, Quantity
