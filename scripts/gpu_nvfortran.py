@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Build the GPU code with nvfortran. Nobody has tried this route yet: see docs/evidence/performance.md.
+"""Build the GPU code with nvfortran, a route that is untried: docs/evidence/performance.md.
 
 usage: gpu_nvfortran.py --work DIR --out FILE.ptx --stamp TEXT [-D NAME] [--no-fma] SOURCE...
 

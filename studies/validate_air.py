@@ -87,7 +87,7 @@ def goal(quantity: str, z: float) -> float | None:
 
 
 def band(model: str, quantity: str, z: float) -> tuple[float, float]:
-    """Accepted ratios to Kingery-Bulmash; wider than the goal where docs/evidence/validation.md says why."""
+    """Accepted ratios to Kingery-Bulmash; docs/evidence/validation.md says why some are wide."""
     if "burns" in model or quantity == "duration":
         return 0, np.inf
     wide = goal(quantity, z)

@@ -40,7 +40,9 @@ def options(arguments: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--slow", action="store_true", help="runs of over three minutes too")
     parser.add_argument("--again", action="store_true", help="also what has been run before")
     parser.add_argument("--turns", type=int, default=1, help="runs of each code, in turns (1)")
-    parser.add_argument("--write", action="store_true", help="tables into docs/evidence/comparison.md")
+    parser.add_argument(
+        "--write", action="store_true", help="tables into docs/evidence/comparison.md"
+    )
     chosen = parser.parse_args(arguments)
     for name in chosen.cases:
         if name not in CASES:

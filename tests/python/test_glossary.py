@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Who searches the sources for a term of the field finds the file that docs/manual/glossary.md names."""
+"""A search for a term of the field finds the file that docs/manual/glossary.md names."""
 
 import re
 from pathlib import Path

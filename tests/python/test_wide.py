@@ -155,8 +155,9 @@ def test_a_plate_swings_as_by_mindlin(tmp_path, layers):
 
 @pytest.mark.parametrize("layers", [3])
 def test_a_plate_that_yields(tmp_path, layers):
-    """P3 of docs/evidence/comparison.md, the first held layer on the edge: peak of the elements, 18.7 mm,
-    and what stays, 17.7 mm. What keeps layers straight holds no more than they yield to."""
+    """P3 of docs/evidence/comparison.md, the first held layer on the edge: peak of the elements,
+    18.7 mm, and what stays, 17.7 mm. What keeps layers straight holds no more than they yield
+    to."""
     time, move = plate(tmp_path, layers, 0, (STEEL, 1e8, 6e-4))
     note(f"wide_steel_{layers}", move.max() / 18.7e-3)
     stays = np.interp(np.linspace(4e-4, 6e-4, 201), time, move).mean()

@@ -3,8 +3,8 @@
 !> the tensile instability of SPH.
 !>
 !> Between two particles it is the force m_i m_j F_ij (W_ij/W(dx))^n (R_i + R_j) x_ij with
-!> n = W(0)/W(dx). It belongs to the uncorrected form of the paper; docs/evidence/verification.md shows what
-!> it can and cannot do. Point physics.
+!> n = W(0)/W(dx). It belongs to the uncorrected form of the paper;
+!> docs/evidence/verification.md shows what it can and cannot do. Point physics.
 !>
 !> Source: Monaghan 2000, Gray, Monaghan & Swift 2001; docs/theory/solids.md section 4
 module brz_artificial_stress

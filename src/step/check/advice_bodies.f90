@@ -51,7 +51,8 @@ contains
         end do
     end subroutine advise_rigid
 
-    !> A thin plate alone that never breaks: wide particles bend as cubes do (docs/evidence/validation.md).
+    !> A thin plate alone that never breaks: wide particles bend as cubes do
+    !> (docs/evidence/validation.md).
     subroutine advise_aspect(case, solid, work)
         type(case_t), intent(in) :: case
         type(solid_t), intent(in) :: solid

@@ -87,8 +87,8 @@ CASE = Case(
     axes=("time after detonation [us]", "deflection [mm]"),
     scales=(1e6, 1e3),
     remarks={
-        "Brisance, air, breaks, 0.3 mm": "the resolution of the paper, docs/evidence/validation.md: the "
-        "load of the air is 0.84 of "
+        "Brisance, air, breaks, 0.3 mm": "the resolution of the paper, "
+        "docs/evidence/validation.md: the load of the air is 0.84 of "
         "Kingery-Bulmash's, and the plate breaks through",
         "Brisance, &load, elastic": "eight times the time of 288 quadratic bricks; 0.9 s on an "
         "H200",
