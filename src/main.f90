@@ -48,7 +48,7 @@ program brisance
             if (options%markdown) then
                 call describe_markdown(keys, text)
             else
-                call describe(keys, options%group, text, err)
+                call describe(keys, options%group, options%every, text, err)
             end if
             if (.not. failed(err)) call show(text)
         case default

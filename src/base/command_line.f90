@@ -17,6 +17,7 @@ module brz_command_line
         character(:), allocatable :: group !! group to describe, '' = all
         logical :: check = .false. !! parse, discretise and print the cost only
         logical :: markdown = .false. !! describe as a page of the manual
+        logical :: every = .false. !! describe advanced and expert keys, too
         logical :: replace = .false. !! results of an earlier run may be removed
         logical :: profile = .false. !! time of each kernel at the end
         logical :: calls = .false. !! what the host asks of GPU and processes, at the end
@@ -26,7 +27,7 @@ module brz_command_line
     end type options_t
 
     character(*), parameter :: flags = '--check|--backend|--restart|--out|--walltime|--set|'// &
-                               '--replace|--markdown|--profile|--calls|--ranks'
+                               '--replace|--markdown|--all|--profile|--calls|--ranks'
     character(*), parameter :: lf = new_line('a')
 
 contains
@@ -38,7 +39,8 @@ contains
         text = &
             'usage: brisance run DECK [options]      run a scene'//lf// &
             '       brisance mat DECK [options]      drive one material point'//lf// &
-            '       brisance --describe [GROUP]      explain the groups and keys of a deck'//lf// &
+            '       brisance --describe [GROUP]      explain keys that a first deck needs'//lf// &
+            '       brisance --describe GROUP --all  explain all keys of a group'//lf// &
             '       brisance --describe presets      list the materials that are built in'//lf// &
             '       brisance --version | --help'//lf// &
             ''//lf// &
@@ -177,6 +179,8 @@ contains
             options%check = .true.
         case ('--markdown')
             options%markdown = .true.
+        case ('--all')
+            options%every = .true.
         case ('--replace')
             options%replace = .true.
         case ('--profile')
@@ -206,7 +210,7 @@ contains
     subroutine unknown_option(flag, err)
         character(*), intent(in) :: flag
         type(error_t), intent(inout) :: err
-        character(12) :: list(11)
+        character(12) :: list(12)
         integer :: i, first, last
 
         first = 1

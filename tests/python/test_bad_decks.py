@@ -182,7 +182,10 @@ def test_an_old_name_of_a_key_is_read_and_told(tmp_path):
     code, text = check(tmp_path, both)
     assert code == 2
     assert "key 'tensile_control' stands twice" in text
-    assert "Also read as tension_hold, its old name." in run(tmp_path, "--describe", "body")[1]
+    assert (
+        "Also read as tension_hold, its old name."
+        in run(tmp_path, "--describe", "body", "--all")[1]
+    )
 
 
 @pytest.mark.parametrize(

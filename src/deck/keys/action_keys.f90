@@ -39,7 +39,8 @@ contains
                 'speed of sound of the gas that comes.', n_max=most_points), &
             words('table', 'History from a file of comma-separated numbers: columns time and '// &
                 'overpressure; or time, density, pressure and velocity_x, ..., or mach.', &
-                longest=256)])
+                longest=256)], &
+            basic='face time overpressure')
     end subroutine inflow_keys
 
     !> Append the rows of &load.
@@ -77,7 +78,8 @@ contains
             number('force', 'N', 'On the part of the body that is modelled, spread by mass.', &
                 n=3), &
             number('scale', '-', 'acceleration, force: factors at these times; if absent 1 '// &
-                'for ever.', n_max=most_points)])
+                'for ever.', n_max=most_points)], &
+            basic='body faces time pressure mass burst at')
     end subroutine load_keys
 
     !> Append the rows of &motion.
@@ -97,6 +99,7 @@ contains
                 'constant before and after. Not needed for one that never changes.', &
                 n_max=max_motion), &
             number('velocity', 'm/s', 'Velocity at these times, or one, three numbers each; 0 '// &
-                'along axes that are free.', default=required, n_min=3, n_max=3*max_motion)])
+                'along axes that are free.', default=required, n_min=3, n_max=3*max_motion)], &
+            basic='id body box time velocity')
     end subroutine motion_keys
 end module brz_action_keys

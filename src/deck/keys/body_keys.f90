@@ -63,7 +63,8 @@ contains
             number('aspect', '-', 'Box, total_lagrangian: width of a particle along x, y, z '// &
                 'over the spacing, as 3, 3, 1 for a plate across z. Bends as cubes do with '// &
                 'fewer particles; alone, without air.', default='1.0, 1.0, 1.0', lower=one, &
-                upper=6*one, n=3)])
+                upper=6*one, n=3)], &
+            basic='id shape box centre radius length spacing')
     end subroutine shape_keys
 
     subroutine state_keys(keys)
@@ -106,7 +107,8 @@ contains
             number('motion_time', 's', 'Times of a prescribed velocity, of a rigid body or of '// &
                 'the particles that are fixed.', n_max=64), &
             number('motion_velocity', 'm/s', 'Velocity at these times, three numbers each, '// &
-                'straight lines between them.', likely=[zero, 2e4_dp], n_min=3, n_max=192)])
+                'straight lines between them.', likely=[zero, 2e4_dp], n_min=3, n_max=192)], &
+            basic='material plies fix velocity')
     end subroutine state_keys
 
     subroutine method_keys(keys)
@@ -155,7 +157,11 @@ contains
             number('h_range', '-', 'variable_h: bounds of the smoothing length over that of '// &
                 'the unloaded body.', default='0.7, 1.2', lower=0.5_dp, upper=2*one, n=2), &
             number('cfl', '-', 'Time step of the body: c dt/h. Steel plates become unstable '// &
-                'between 0.9 and 0.95.', default='0.4', above=zero, upper=0.9_dp)])
+                'between 0.9 and 0.95.', default='0.4', above=zero, upper=0.9_dp)], &
+            expert='alpha beta limiter crack_band artificial_stress '// &
+                'artificial_strength zeta hourglass_axes zeta_viscous '// &
+                'tensile_control plate_axis smoothing variable_h h_range '// &
+                'cfl')
     end subroutine method_keys
 
     subroutine interaction_keys(keys)
@@ -199,6 +205,10 @@ contains
                 'damage; if absent ten times the lesser modulus over the finer spacing, or '// &
                 'less, so that it never halves the time step.', above=zero), &
             number('open_box', 'm', 'cohesive: regions that are not joined, cracks from the '// &
-                'start: x0, x1, y0, y1, z0, z1 of each, up to eight.', n_min=6, n_max=48)])
+                'start: x0, x1, y0, y1, z0, z1 of each, up to eight.', n_min=6, n_max=48)], &
+            basic='bodies law friction tensile_strength shear_strength gi '// &
+                'gii', &
+            expert='stiffness damping shared_pressure bond_law mixed '// &
+                'mixed_exponent interface_stiffness')
     end subroutine interaction_keys
 end module brz_body_keys

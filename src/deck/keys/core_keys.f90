@@ -59,7 +59,9 @@ contains
             number('energy_band', '-', 'Largest allowed relative error of the total energy; a '// &
                 'larger one ends the run with exit code 3. No limit if absent.', above=zero), &
             whole_number('max_steps', 'The run ends after so many steps; no limit if absent.', &
-                zero, real(huge(1), dp))])
+                zero, real(huge(1), dp))], &
+            basic='title t_end symmetry dimension backend', &
+            expert='dt_max dt_min energy_band max_steps')
     end subroutine run_keys
 
     subroutine air_keys(keys)
@@ -99,7 +101,10 @@ contains
             flag('activity', 'Leave out cells that nothing has reached; the results are the '// &
                 'same.', '.true.'), &
             flag('fallback', 'First-order fluxes at faces where a state would become '// &
-                'unphysical; they are counted.', '.true.')])
+                'unphysical; they are counted.', '.true.')], &
+            basic='geometry floor box cells bc', &
+            expert='gamma cfl ramp_steps reconstruction flux integrator '// &
+                'activity fallback')
     end subroutine air_keys
 
     subroutine gas_keys(keys)
@@ -116,7 +121,8 @@ contains
                 '.csv with density, pressure and x, y, z, velocity_x, ..., or r, velocity.', &
                 longest=256), &
             number('move', 'm', 'file: shift of what it holds.', default='0.0, 0.0, 0.0', n=3), &
-            number('at', 'm', 'file along a radius r: centre.', default='0.0, 0.0, 0.0', n=3)])
+            number('at', 'm', 'file along a radius r: centre.', default='0.0, 0.0, 0.0', n=3)], &
+            basic='id box density pressure velocity')
     end subroutine gas_keys
 
     subroutine charge_keys(keys)
@@ -167,7 +173,9 @@ contains
             number('sides', '-', 'Box: ratio of the sides.', default='1.0, 1.0, 1.0', above=zero, &
                 n=3), &
             words('axis', "Axis of a cylinder; with start='2d' also the line about which all "// &
-                'is round (across the floor).', default='z', choices='x|y|z')])
+                'is round (across the floor).', default='z', choices='x|y|z')], &
+            basic='id mass burst explosive start eos shape at', &
+            expert='radial_cells plane_cells')
     end subroutine charge_keys
 
     subroutine material_group_keys(keys)
@@ -180,7 +188,8 @@ contains
             words('preset', 'Named set of keys that this group need not give: see brisance '// &
                 '--describe presets.'), &
             words('failure', "'none': a metal or a ply that never fails, whatever the group "// &
-                'or its preset says of that.', default='model', choices='model|none')])
+                'or its preset says of that.', default='model', choices='model|none')], &
+            basic='id model preset failure')
     end subroutine material_group_keys
 
     subroutine gauge_keys(keys)
@@ -199,7 +208,8 @@ contains
             words('with', 'contact_x, ..., impulse_x, ...: what this other body alone does to '// &
                 'the body.'), &
             words('motion', 'reaction_x, ...: force of the body on what this &motion of it '// &
-                'moves alone.')])
+                'moves alone.')], &
+            basic='id at quantity body')
     end subroutine gauge_keys
 
     subroutine settings_keys(keys)
@@ -212,7 +222,9 @@ contains
                 'of the air if absent.', n=6), &
             words('leave', 'When particles leave the region: report it and let them fly on, '// &
                 'stop with a checkpoint and exit code 3, or remove them from everything but '// &
-                'the totals.', default='report', choices='report|stop|remove')])
+                'the totals.', default='report', choices='report|stop|remove')], &
+            basic='region leave', &
+            expert='skin')
         call add_group(keys, 'coupling', 'How air and bodies meet.', [ &
             words('scheme', 'wall_flux: fluxes at walls, nothing is lost. paper: as the paper '// &
                 'prints it, solid cells filled with gas, to compare; it loses mass.', &
@@ -220,7 +232,8 @@ contains
             number('spread', '-', 'Depth over which a surface load is spread into a body, in '// &
                 'air cells.', default='1.5', above=zero, upper=10*one), &
             number('reference_pressure', 'Pa', 'Pressure taken off every load; that of the '// &
-                'undisturbed air if absent.', lower=zero)])
+                'undisturbed air if absent.', lower=zero)], &
+            expert='scheme spread reference_pressure')
         call add_group(keys, 'output', 'What is written, and how often.', [ &
             number('dump_every', 's', 'Time between dumps; only the first and the last if '// &
                 'absent.', above=zero), &
@@ -233,7 +246,9 @@ contains
             number('checkpoint_every', 's', 'Time between checkpoints; none if absent.', &
                 above=zero), &
             number('report_every', 's', 'Wall-clock time between lines of the log.', &
-                default='5.0', lower=zero)])
+                default='5.0', lower=zero)], &
+            basic='dump_every history_every checkpoint_every', &
+            expert='report_every')
     end subroutine settings_keys
 
     !> What `brisance mat` reads: one material point and the path it is driven along.
@@ -249,7 +264,8 @@ contains
             words('ply_axis', 'Normal of the ply.', default='z', choices='x|y|z'), &
             number('crack_length', 'm', 'Width of a smeared crack, over which a fracture '// &
                 'energy is spent; in a body 2.1 or, in bending, 2.35 spacings.', default='0.001', &
-                above=zero, former='smoothing_length')])
+                above=zero, former='smoothing_length')], &
+            basic='material steps')
         call add_group(keys, 'segment', 'A part of the path of `brisance mat`; they follow in '// &
             'the order of the deck.', [ &
             words('id', 'Name, where --set has to tell segments apart.'), &
@@ -269,6 +285,7 @@ contains
             number('lateral_stress', 'Pa', 'triaxial: both normal stresses across the axis, '// &
                 'negative in compression, held.'), &
             number('pressure', 'Pa', 'pressure: reached evenly in time from that at the '// &
-                'start, without shear stress.')])
+                'start, without shear stress.')], &
+            basic='duration strain control rate')
     end subroutine point_keys
 end module brz_core_keys

@@ -8,8 +8,11 @@ module brz_key
     implicit none
     private
     public :: key_t, kind_integer, kind_real, kind_logical, kind_text, required, none
+    public :: level_basic, level_advanced, level_expert
 
     integer, parameter :: kind_integer = 1, kind_real = 2, kind_logical = 3, kind_text = 4
+    !> who needs a key: a first deck; some decks; studies of the method
+    integer, parameter :: level_basic = 1, level_advanced = 2, level_expert = 3
     character(*), parameter :: required = '(required)' !! default of a key that must be given
     character(*), parameter :: none = '(none)' !! default of a key that may be absent
 
@@ -17,6 +20,7 @@ module brz_key
         character(16) :: group = '' !! group without the ampersand, e.g. 'air'
         character(24) :: key = ''
         integer :: kind = kind_real !! one of the kinds above
+        integer :: level = level_advanced !! one of the levels above; what is required is basic
         integer :: n_min = 1, n_max = 1 !! how many values it takes
         character(12) :: unit = '-' !! SI unit, '-' where there is none
         character(32) :: default = none !! as it would stand in a deck, or `required`, or `none`

@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Rows of the key table, one function for each kind of value.
 module brz_key_rows
-    use brz_key, only: key_t, kind_integer, kind_logical, kind_text
+    use brz_key, only: key_t, kind_integer, kind_logical, kind_text, level_basic, level_expert
     use brz_kinds, only: dp
+    use brz_text, only: split, string_t
     implicit none
     private
     public :: add_group, add_rows, also_called, number, whole_number, flag, words
@@ -10,25 +11,46 @@ module brz_key_rows
 contains
 
     !> Append a group: what it is for, and its keys.
-    pure subroutine add_group(keys, group, meaning, rows)
+    pure subroutine add_group(keys, group, meaning, rows, basic, expert)
         type(key_t), allocatable, intent(inout) :: keys(:)
         character(*), intent(in) :: group, meaning
         type(key_t), intent(in) :: rows(:)
+        character(*), intent(in), optional :: basic, expert !! as of `add_rows`
 
-        call add_rows(keys, group, [key_t(meaning=meaning), rows])
+        call add_rows(keys, group, [key_t(meaning=meaning), rows], basic, expert)
     end subroutine add_group
 
     !> Append keys to a group.
-    pure subroutine add_rows(keys, group, rows)
+    pure subroutine add_rows(keys, group, rows, basic, expert)
         type(key_t), allocatable, intent(inout) :: keys(:)
         character(*), intent(in) :: group
         type(key_t), intent(in) :: rows(:)
+        !> Keys that a first deck needs, and those that are for studies of the method: names
+        !> separated by blanks. All others are advanced.
+        character(*), intent(in), optional :: basic, expert
         integer :: n
 
         n = size(keys)
         keys = [keys, rows]
         keys(n + 1:)%group = group
+        if (present(basic)) call set_level(keys(n + 1:), basic, level_basic)
+        if (present(expert)) call set_level(keys(n + 1:), expert, level_expert)
     end subroutine add_rows
+
+    !> Give the level to the rows whose keys are named; a name without a row is an error here.
+    pure subroutine set_level(rows, names, level)
+        type(key_t), intent(inout) :: rows(:)
+        character(*), intent(in) :: names
+        integer, intent(in) :: level
+        type(string_t), allocatable :: parts(:)
+        integer :: i
+
+        call split(names, ' ', parts)
+        do i = 1, size(parts)
+            if (.not. any(rows%key == parts(i)%s)) error stop 'key table: a level without its key'
+            where (rows%key == parts(i)%s) rows%level = level
+        end do
+    end subroutine set_level
 
     !> A real number, or several.
     pure function number(key, unit, meaning, default, lower, above, upper, likely, n, n_min, &

@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> Finding rows of the key table, and saying in words what a row expects.
 module brz_key_text
-    use brz_key, only: key_t, kind_integer, kind_logical, kind_real, kind_text
+    use brz_key, only: key_t, kind_integer, kind_logical, kind_real, kind_text, level_basic, &
+                       level_expert, required
     use brz_text, only: nearest, string_t, split, to_text
     implicit none
     private
     public :: find_row, group_known, group_repeats, expectation, range_text, unit_text, choice_text
     public :: key_hint, group_hint, choice_hint, default_text, list_keys, same_value_count
-    public :: alias_text, meaning_text, present_name
+    public :: alias_text, meaning_text, present_name, level_name
 
 contains
 
@@ -141,6 +142,17 @@ contains
             text = to_text(bound)
         end if
     end function bound_text
+
+    !> Who needs a key: 'basic', a first deck (so what is required); 'advanced', some decks;
+    !> 'expert', studies of the method.
+    pure function level_name(row) result(text)
+        type(key_t), intent(in) :: row
+        character(:), allocatable :: text
+
+        text = 'advanced'
+        if (row%level == level_expert) text = 'expert'
+        if (row%level == level_basic .or. row%default == required) text = 'basic'
+    end function level_name
 
     !> ' [kg/m3]', or nothing.
     pure function unit_text(row) result(text)

@@ -5,9 +5,10 @@ module brz_describe
     use brz_errors, only: error_t, exit_deck, raise
     use brz_key, only: key_t, kind_integer, kind_logical, kind_real, none, required
     use brz_key_text, only: choice_text, default_text, group_hint, group_known, &
-                            group_repeats, meaning_text, range_text, same_value_count, unit_text
+                            group_repeats, level_name, meaning_text, range_text, &
+                            same_value_count, unit_text
     use brz_preset, only: describe_presets, is_preset
-    use brz_text, only: lower, printable, split, string_t
+    use brz_text, only: lower, printable, split, string_t, to_text
     implicit none
     private
     public :: describe, describe_markdown
@@ -17,9 +18,11 @@ module brz_describe
 contains
 
     !> Text about one group, or about all where `group` is empty; 'presets', or one of them.
-    subroutine describe(keys, group, text, err)
+    !> It tells the basic keys, or every key.
+    subroutine describe(keys, group, every, text, err)
         type(key_t), intent(in) :: keys(:)
         character(*), intent(in) :: group !! with or without ampersand, or a preset
+        logical, intent(in) :: every
         character(:), allocatable, intent(out) :: text
         type(error_t), intent(inout) :: err
         character(:), allocatable :: wanted
@@ -40,20 +43,22 @@ contains
         do i = 1, size(keys)
             if (any(keys(:i - 1)%group == keys(i)%group)) cycle
             if (wanted /= '' .and. keys(i)%group /= wanted) cycle
-            call describe_group(keys, trim(keys(i)%group), text)
+            call describe_group(keys, trim(keys(i)%group), every, text)
         end do
     end subroutine describe
 
-    subroutine describe_group(keys, group, text)
+    subroutine describe_group(keys, group, every, text)
         type(key_t), intent(in) :: keys(:)
         character(*), intent(in) :: group
+        logical, intent(in) :: every
         character(:), allocatable, intent(inout) :: text
         character(len(keys%owner)) :: owner
-        integer :: i
+        integer :: i, more
 
         if (text /= '') text = text//lf
         text = text//'&'//group//'  '//group_meaning(keys, group, '')//lf
         owner = ''
+        more = 0
         do i = 1, size(keys)
             if (keys(i)%group /= group) cycle
             if (keys(i)%owner /= owner) then
@@ -62,13 +67,21 @@ contains
                      group_meaning(keys, group, trim(owner))//lf
             end if
             if (keys(i)%key == '') cycle
+            if (.not. every .and. level_name(keys(i)) /= 'basic') then
+                more = more + 1
+                cycle
+            end if
             text = text//'  '//keys(i)%key//kind_name(keys(i))
             if (range_text(keys(i)) /= '') text = text//' '//range_text(keys(i))
-            text = text//unit_text(keys(i))//', '//default_words(keys(i))//lf
+            text = text//unit_text(keys(i))//', '//default_words(keys(i))
+            if (every) text = text//', '//level_name(keys(i))
+            text = text//lf
             text = text//repeat(' ', 26)//meaning_text(keys(i))//lf
             if (choices(keys, keys(i)) /= '') text = text//repeat(' ', 26)//'One of: '// &
                  choices(keys, keys(i))//lf
         end do
+        if (more > 0) text = text//'  and '//to_text(more)//' more: brisance --describe '// &
+                             group//' --all'//lf
     end subroutine describe_group
 
     !> The reference page: a table per group.
@@ -85,7 +98,11 @@ contains
                          'opens a group, `/` closes it, `!` starts a comment; text between '// &
                          'groups is comment. Values are separated '// &
                          'by commas, texts stand in quotes, `3*0.0` is three zeros. Groups '// &
-                         'that carry an `id` may stand many times.')//lf
+                         'that carry an `id` may stand many times.')//lf//lf// &
+               paragraph('Keys that a first deck needs are **basic**, and `--describe` shows '// &
+                         'them; some decks need the *advanced* ones, and `--describe GROUP '// &
+                         '--all` shows them too. Keys of *experts* choose between numerical '// &
+                         'methods: their defaults are what the verification tests hold.')//lf
         do i = 1, size(keys)
             if (any(keys(:i - 1)%group == keys(i)%group)) cycle
             call markdown_group(keys, trim(keys(i)%group), text)
@@ -113,8 +130,8 @@ contains
                     text = text//lf//paragraph(group_meaning(keys, group, trim(owner)))//lf
             end if
             if (keys(i)%key == '') cycle
-            if (header) text = text//lf//'| key | values | unit | default | meaning |'//lf// &
-                               '|---|---|---|---|---|'//lf
+            if (header) text = text//lf//'| key | level | values | unit | default | '// &
+                               'meaning |'//lf//'|---|---|---|---|---|---|'//lf
             header = .false.
             call markdown_row(keys, keys(i), text)
         end do
@@ -149,7 +166,12 @@ contains
         type(key_t), intent(in) :: row
         character(:), allocatable, intent(inout) :: text
 
-        text = text//'| `'//trim(row%key)//'` | '//kind_name(row)
+        text = text//'| `'//trim(row%key)//'` | '
+        if (level_name(row) == 'basic') then
+            text = text//'**basic** | '//kind_name(row)
+        else
+            text = text//level_name(row)//' | '//kind_name(row)
+        end if
         if (range_text(row) /= '') text = text//' '//range_text(row)
         text = text//' | '//trim(row%unit)//' | '
         select case (row%default)
