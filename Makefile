@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Brisance. `make help` lists the targets and the variables.
-VERSION := 0.1.0
+VERSION := 0.2.0
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SUFFIXES:

@@ -45,8 +45,8 @@ contains
                              'centre is '//to_text(height/half(axis))//' half sides over the '// &
                              'floor: it sends a jet along a rigid floor, and up to a quarter '// &
                              'of the peak is missing far away (docs/manual/blast.md); for a '// &
-                             "charge on the ground put at on the floor, with burst='surface' and "// &
-                             'the same mass')
+                             "charge on the ground put at on the floor, with burst='surface' "// &
+                             'and the same mass')
         end if
     end subroutine check_ground
 

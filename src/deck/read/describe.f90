@@ -91,7 +91,8 @@ contains
         integer :: i
 
         text = '# Deck reference'//lf//lf// &
-               paragraph('Written by `brisance --describe --markdown` from the key table: '// &
+               paragraph('For whoever writes a deck or looks up one of its keys. The page is '// &
+                         'written by `brisance --describe --markdown` from the key table: '// &
                          'change the table, not this page.')//lf//lf// &
                paragraph('A deck is a text file of namelist groups in SI units. `&` as the '// &
                          'first character of a line, or behind the `/` of the group before, '// &

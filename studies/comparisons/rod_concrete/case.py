@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A rod through 178 mm of concrete (inputs/rod_concrete.nml, docs/evidence/validation.md)."""
+"""A rod through 178 mm of concrete (inputs/jobs/rod_concrete.nml, docs/evidence/validation.md)."""
 
 from studies.comparisons.case import Case, Quantity
 
