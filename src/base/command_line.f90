@@ -21,13 +21,14 @@ module brz_command_line
         logical :: replace = .false. !! results of an earlier run may be removed
         logical :: profile = .false. !! time of each kernel at the end
         logical :: calls = .false. !! what the host asks of GPU and processes, at the end
+        character(:), allocatable :: echo !! file for the complete deck of --check, or ''
         integer :: ranks = 0 !! processes that --check shall cut the scene for; 0: those there are
         real(dp) :: walltime = huge(1.0_dp) !! [s]
         type(string_t), allocatable :: overrides(:) !! texts group.key=value
     end type options_t
 
     character(*), parameter :: flags = '--check|--backend|--restart|--out|--walltime|--set|'// &
-                               '--replace|--markdown|--all|--profile|--calls|--ranks'
+                               '--replace|--markdown|--all|--profile|--calls|--ranks|--echo'
     character(*), parameter :: lf = new_line('a')
 
 contains
@@ -46,6 +47,7 @@ contains
             ''//lf// &
             'options of run:'//lf// &
             '  --check                  read and discretise the deck, print its cost'//lf// &
+            '  --echo FILE              with --check: write the complete deck, defaults and all'//lf// &
             '  --ranks N                with --check: what each of N processes gets'//lf// &
             '  --out DIR                folder of the results (default out/<deck name>)'//lf// &
             '  --replace                remove results of an earlier run from that folder'//lf// &
@@ -77,6 +79,7 @@ contains
         options%restart = ''
         options%backend = ''
         options%group = ''
+        options%echo = ''
         allocate (options%overrides(0))
         call get_arguments(args)
         if (size(args) == 0 .or. asks_for_help(args)) return
@@ -165,7 +168,7 @@ contains
         character(*), intent(in) :: flag
 
         takes_value = any(flag == [character(10) :: '--backend', '--restart', '--out', &
-                                   '--walltime', '--set', '--ranks'])
+                                   '--walltime', '--set', '--ranks', '--echo'])
     end function takes_value
 
     !> Store one option.
@@ -189,6 +192,9 @@ contains
             options%calls = .true.
         case ('--ranks')
             call read_ranks(value, options%ranks, err)
+        case ('--echo')
+            options%echo = value
+            if (value == '') call raise(err, exit_deck, '--echo: name the file')
         case ('--out')
             options%out = value
         case ('--restart')
@@ -210,7 +216,7 @@ contains
     subroutine unknown_option(flag, err)
         character(*), intent(in) :: flag
         type(error_t), intent(inout) :: err
-        character(12) :: list(12)
+        character(12) :: list(13)
         integer :: i, first, last
 
         first = 1

@@ -311,3 +311,40 @@ def test_how_bodies_meet_is_told(tmp_path):
         "interaction none (case.nml:10): slab+p2",
         "interaction contact (default): slab+p3, bar+p1, bar+p2, bar+p3 and 3 more pairs",
     ]
+
+
+def test_echo_is_the_complete_deck(tmp_path):
+    """The file is what a run leaves in its folder; decks that mean the same give the same bytes."""
+    deck = "&run t_end=1e-6, dimension=1 /\n&air box=0,1,0,1,0,1, cells=20,1,1 /\n"
+    same = "! another text\n&air cells=20,1,1,\n  box=0,1.0,0,1,0,1e0 /\n"
+    same += "&run dimension=1, t_end=2e-6 /\n"
+
+    def echo(name, text, *more):
+        (tmp_path / "case.nml").write_text(text)
+        command = [BINARY, "run", "case.nml", "--check", "--echo", name, *more]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=20)
+        assert done.returncode == 0, done.stderr
+        return (tmp_path / name).read_bytes()
+
+    first = echo("one.nml", deck)
+    assert first == echo("two.nml", same, "--set", "run.t_end=1e-6")
+    assert b"gamma = 1.4 ! default" in first and first != echo("three.nml", same)
+    (tmp_path / "case.nml").write_text(deck)
+    subprocess.run([BINARY, "run", "case.nml"], cwd=tmp_path, capture_output=True, check=True)
+    assert first == (tmp_path / "out" / "case" / "case.echo.nml").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("args", "code", "message"),
+    [
+        (["--echo", "a.nml"], 2, "--echo goes with --check"),
+        (["--check", "--echo"], 2, "--echo needs a value"),
+        (["--check", "--echo", "no/such/folder/a.nml"], 4, "no/such/folder/a.nml"),
+    ],
+)
+def test_echo_that_cannot_be(tmp_path, args, code, message):
+    (tmp_path / "case.nml").write_text(AIR)
+    done = subprocess.run(
+        [BINARY, "run", "case.nml", *args], cwd=tmp_path, capture_output=True, text=True, timeout=20
+    )
+    assert done.returncode == code and message in done.stderr

@@ -11,6 +11,7 @@ module brz_run
     use brz_command_line, only: options_t
     use brz_deck, only: deck_t
     use brz_errors, only: error_t, exit_deck, exit_stopped, failed, raise
+    use brz_files, only: write_text_file
     use brz_host_calls, only: count_calls, enter_part
     use brz_kernel_profile, only: start_profile
     use brz_key, only: key_t
@@ -58,6 +59,7 @@ contains
         if (options%calls) call count_calls()
         allocate (sim)
         call read_scene(options, sim, err)
+        call write_echo(options, sim%case%echo, err)
         call plan_ranks(options, ranks, sim, err)
         call open_backend(sim, err)
         call reduce_errors(sim%ranks, err)
@@ -146,6 +148,21 @@ contains
         write (seconds, '(f12.1)') wall_seconds() - mark
         call say('GPU          code, state and lists: '//trim(adjustl(seconds))//' s')
     end subroutine start_computing
+
+    !> Write the complete deck where `--check --echo FILE` wants it; equal decks give equal files.
+    subroutine write_echo(options, echo, err)
+        type(options_t), intent(in) :: options
+        character(:), allocatable, intent(in) :: echo !! absent where the deck was refused
+        type(error_t), intent(inout) :: err
+
+        if (failed(err) .or. options%echo == '') return
+        if (.not. options%check) then
+            call raise(err, exit_deck, 'run: --echo goes with --check; a run leaves its complete '// &
+                       'deck in the folder of its results')
+            return
+        end if
+        call write_text_file(options%echo, echo, err)
+    end subroutine write_echo
 
     !> On several processes: refuse what they cannot do; they use GPUs only where asked to.
     subroutine plan_ranks(options, ranks, sim, err)
