@@ -12,6 +12,7 @@ import numpy as np
 
 from post.balance import whole_factor
 from post.blast import Pulse
+from post.deflection import permanent_set
 from post.errors import USAGE, PostError
 from post.gauges import PRESSURES, Gauge, expect, list_gauges, measure, pressure_gauges
 from post.reader import Run
@@ -19,7 +20,7 @@ from post.units import base_of, factor_of
 
 COLUMNS = ("quantity", "gauge", "value", "unit", "source")
 OF_PULSES = {"arrival": "s", "rise_time": "s", "duration": "s", "impulse": "Pa s"}
-OF_ALL = {"peak": "", "peak_time": "s", "final": ""}
+OF_ALL = {"peak": "", "peak_time": "s", "final": "", "permanent_set": "m"}
 
 
 @dataclass(frozen=True)
@@ -136,6 +137,12 @@ def _measured(run: Run, reference: Reference) -> tuple[str, float, str]:
     for gauge in list_gauges(run):
         if reference.gauge not in (gauge.id, gauge.column):
             continue
+        if reference.quantity == "permanent_set":
+            moves = gauge.quantity.startswith("displacement")
+            values = run.gauges[gauge.column] if moves else np.array([math.nan])
+            if not np.isfinite(values).all():
+                return name, math.nan, gauge.unit
+            return name, abs(permanent_set(run.gauges.time, values)[0]), gauge.unit
         if gauge.quantity in PRESSURES and reference.quantity != "final":
             unit = OF_PULSES.get(reference.quantity) or OF_ALL[reference.quantity] or "Pa"
             name = "peak overpressure" if reference.quantity == "peak" else name

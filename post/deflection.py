@@ -16,7 +16,9 @@ from post.reader import Run
 from post.tables import Table
 from post.units import show
 
-SWING = 0.05  # of the largest displacement: smaller turns are no swing
+AT_REST = 0.01  # of the largest displacement: less of a range is no motion
+SWING = 0.3  # of the range after the peak: smaller turns belong to quicker modes
+MOST_PERIODS = 4  # over which the ringing is averaged, the last ones
 
 
 @dataclass(frozen=True)
@@ -26,36 +28,77 @@ class Deflection:
     peak: float  # with its sign
     peak_time: float
     end: float
-    residual: float  # not a number before the body has swung back and forth
+    permanent: float  # the permanent set; not a number while it cannot be told
+    spread: float  # half of the range of the ringing about it
     growing: bool  # the largest value is the last one
 
 
 def measure_deflection(time: np.ndarray, move: np.ndarray) -> Deflection:
-    """Measure a history, shapes (n). ValueError if it is empty or not finite.
-
-    The residual is the middle of the last two turning points after the peak, as the plate swings
-    about the shape that it will keep; a history that ends before two is not measured.
-    """
+    """Measure a history, shapes (n). ValueError if it is empty or not finite."""
     if not len(move) or len(time) != len(move) or not np.isfinite(move).all():
         raise ValueError("a history of displacements must have finite values")
     top = int(np.argmax(np.abs(move)))
-    turns = _turning_points(move[top:], SWING * abs(float(move[top])))
-    residual = 0.5 * (turns[-1] + turns[-2]) if len(turns) > 1 else math.nan
+    permanent, spread = permanent_set(time, move)
     growing = top == len(move) - 1 and len(move) > 1
-    return Deflection(float(move[top]), float(time[top]), float(move[-1]), residual, growing)
+    end = float(move[-1])
+    return Deflection(float(move[top]), float(time[top]), end, permanent, spread, growing)
 
 
-def _turning_points(values: np.ndarray, least: float) -> list[float]:
-    """Values at which a history turns by more than `least`, after its first value."""
-    turns, low, high, way = [], values[0], values[0], 0
-    for value in values[1:]:
-        low, high = min(low, value), max(high, value)
-        if way >= 0 and high - value > least:  # fell from the last high
-            turns += [float(high)] if way else []
-            way, low = -1, value
-        elif way <= 0 and value - low > least:
-            turns += [float(low)] if way else []
-            way, high = 1, value
+def permanent_set(time: np.ndarray, move: np.ndarray) -> tuple[float, float]:
+    """The displacement that stays when the elastic ringing has died away, and half of the range of
+    that ringing; shapes (n), both not a number where the history does not tell.
+
+    A history that swings after its peak: the mean over time of the last whole periods, at most
+    `MOST_PERIODS`, from a turning point to one of the same kind; the mean of the last two turning
+    points where there are two alone. Turns below `SWING` of the range in the second half after the
+    peak do not count. One that has come to rest, within `AT_REST` of the peak for at least as long
+    as it took to move there: the mean of that stretch.
+    """
+    size = np.abs(move)
+    top = int(np.argmax(size))
+    rest = _rest(time, move, AT_REST * size[top])
+    if rest is not None:
+        return rest
+    late = move[top + (len(move) - top) // 2 :]
+    turns = _turning_points(move[top:], max(SWING * np.ptp(late), AT_REST * size[top]))
+    if len(turns) < 2:
+        return math.nan, math.nan
+    turns = top + np.array(turns)
+    half = 0.5 * abs(float(move[turns[-1]] - move[turns[-2]]))
+    if len(turns) == 2:
+        return 0.5 * float(move[turns[0]] + move[turns[1]]), half
+    count = min((len(turns) - 1) // 2, MOST_PERIODS)
+    part = slice(turns[-1 - 2 * count], turns[-1] + 1)
+    t, u = time[part], move[part]
+    return float(np.trapezoid(u, t) / (t[-1] - t[0])), half
+
+
+def _rest(time: np.ndarray, move: np.ndarray, least: float) -> tuple[float, float] | None:
+    """Mean and half range of the stretch at the end in which nothing moves by more than `least`."""
+    low = np.minimum.accumulate(move[::-1])[::-1]
+    high = np.maximum.accumulate(move[::-1])[::-1]
+    first = int(np.argmax(high - low <= least))
+    way = np.flatnonzero(np.abs(move - move[0]) > 0.1 * np.abs(move - move[0]).max())
+    if not len(way) or len(move) - first < 3:
+        return (0.0, 0.0) if not np.any(move) else None
+    rise = time[first] - time[max(int(way[0]) - 1, 0)]
+    if time[-1] - time[first] < rise:
+        return None
+    return float(move[first:].mean()), 0.5 * float(high[first] - low[first])
+
+
+def _turning_points(values: np.ndarray, least: float) -> list[int]:
+    """Places at which a history turns by more than `least`, after its first value."""
+    turns, low, high, way = [], 0, 0, 0
+    for place, value in enumerate(values[1:], 1):
+        low = place if value < values[low] else low
+        high = place if value > values[high] else high
+        if way >= 0 and values[high] - value > least:  # fell from the last high
+            turns += [high] if way else []
+            way, low = -1, place
+        elif way <= 0 and value - values[low] > least:
+            turns += [low] if way else []
+            way, high = 1, place
     return turns
 
 
@@ -68,12 +111,12 @@ def displacement_table(run: Run) -> Table:
     for body in run.deck.bodies():
         if body.shape == "box":
             rows += _rows_of_plate(run, body, gauges)
-    heads = ("what", "largest", "at", "at the end", "residual")
+    heads = ("what", "largest", "at", "at the end", "permanent set", "ringing")
     note = (
-        "Residual: middle of the last two turning points, a dash where the body has not swung back "
-        "and forth. Middle and farthest particle of a body: at the times of the dumps alone, so "
-        "they may have gone farther; those that came loose by the end are left out, and a middle "
-        "that has a gauge."
+        "Permanent set: mean of the last whole swings, or of the rest that it came to, with half "
+        "of the range of that ringing; a dash where the history ends before. Middle and farthest "
+        "particle of a body: at the times of the dumps alone, so they may have gone farther; those "
+        "that came loose by the end are left out, and a middle that has a gauge."
     )
     return Table("Displacements", heads, [row for row in rows if row], note)
 
@@ -85,7 +128,9 @@ def _row(name: str, time: np.ndarray, move: np.ndarray) -> tuple[str, ...] | Non
         return None
     late = " (still growing)" if found.growing else ""
     times = show(found.peak_time, "s") + late
-    return (name, show(found.peak, "m"), times, show(found.end, "m"), show(found.residual, "m"))
+    ringing = "–" if math.isnan(found.spread) else f"± {show(found.spread, 'm')}"
+    ends = show(found.end, "m"), show(found.permanent, "m"), ringing
+    return (name, show(found.peak, "m"), times, *ends)
 
 
 def _rows_of_plate(run: Run, body, gauges: list[Gauge]) -> list:

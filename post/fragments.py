@@ -69,6 +69,8 @@ class Fragment:
     size: float  # [m] diameter of a sphere of its volume
     velocity: np.ndarray  # (3) of its mass centre [m/s], without parts that mirror images cancel
     middle: np.ndarray  # (3) its mass centre [m]
+    low: np.ndarray  # (3) corner of the box around its particles [m], of the modelled part
+    high: np.ndarray  # (3)
     copies: int  # how many of it there are in the whole scene
 
     @property
@@ -77,15 +79,18 @@ class Fragment:
         return float(np.linalg.norm(self.velocity))
 
 
-def find_fragments(run: Run, frame: Frame, name: str) -> list[Fragment]:
+def find_fragments(
+    run: Run, frame: Frame, name: str, failed: float | None = None
+) -> list[Fragment]:
     """The pieces into which a body has broken, the heaviest first.
 
     Two neighbours on the lattice of the unloaded body hang together while they are 0.3 to 1.5
-    spacings apart (`surface.TORN`). A piece that touches a plane of symmetry is one with its
-    image. PostError for a body that is not there or on no lattice.
+    spacings apart (`surface.TORN`); particles with a damage of `failed` and more hold nothing, and
+    each is a piece of its own. A piece that touches a plane of symmetry is one with its image.
+    PostError for a body that is not there or on no lattice.
     """
     number = {body.id: body.number for body in run.deck.bodies()}.get(name)
-    solid = frame.solid("displacement", "body", "mass", "density", "velocity")
+    solid = frame.solid("displacement", "body", "mass", "density", "velocity", "damage")
     own = np.flatnonzero((solid.field["body"] == number) & solid.known)
     if number is None or not len(own):
         raise PostError(f"{run.job}: there is no body '{name}' in this dump", USAGE)
@@ -95,7 +100,10 @@ def find_fragments(run: Run, frame: Frame, name: str) -> list[Fragment]:
     lattice = find_lattice(rest, step)
     if lattice is None:
         raise PostError(f"body '{name}': its particles do not lie on a lattice")
-    names = hanging_together(lattice, edges_of(points, lattice)[1], np.ones(len(own), bool))
+    sound = np.ones(len(own), bool)
+    if failed is not None:
+        sound = solid.field["damage"][own] < failed
+    names = hanging_together(lattice, edges_of(points, lattice)[1], sound)
     field = {key: solid.field[key][own].astype(float) for key in ("mass", "density", "velocity")}
     return _measure_pieces(names, points, rest, field, (run.deck.mirrors, step))
 
@@ -109,6 +117,9 @@ def _measure_pieces(names, points, rest, field: dict, scene: tuple) -> list[Frag
     sums = [[np.bincount(piece, field["mass"] * v[:, d]) / mass for d in range(3)]
             for v in (points, field["velocity"])]  # fmt: skip
     middle, velocity = (np.transpose(rows) for rows in sums)
+    low, high = np.full((len(kinds), 3), np.inf), np.full((len(kinds), 3), -np.inf)
+    np.minimum.at(low, piece, points - np.asarray(step) / 2)
+    np.maximum.at(high, piece, points + np.asarray(step) / 2)
     joined, copies = np.ones(len(kinds)), np.ones(len(kinds), int)
     for d, cut in enumerate(mirrors):
         if cut:
@@ -118,10 +129,11 @@ def _measure_pieces(names, points, rest, field: dict, scene: tuple) -> list[Frag
             joined[touches] *= 2
             copies[~touches] *= 2
             middle[touches, d] = velocity[touches, d] = 0.0
+            low[touches, d] = -high[touches, d]
     found = [
-        Fragment(int(n), float(m * j), float((6 * v * j / np.pi) ** (1 / 3)), u, x, int(c))
-        for n, m, j, v, u, x, c in zip(
-            count, mass, joined, volume, velocity, middle, copies, strict=True
+        Fragment(int(n), float(m * j), float((6 * v * j / np.pi) ** (1 / 3)), u, x, a, b, int(c))
+        for n, m, j, v, u, x, a, b, c in zip(
+            count, mass, joined, volume, velocity, middle, low, high, copies, strict=True
         )
     ]
     return sorted(found, key=lambda one: -one.mass)

@@ -22,7 +22,7 @@ import numpy as np
 from post.deck import Body
 from post.errors import NUMERICAL, USAGE, PostError
 from post.fragments import largest_piece
-from post.raster import FINE, Opening, Raster, openings, region_of, regions
+from post.raster import FINE, Opening, Raster, mirrored, openings, region_of, regions
 from post.reader import Frame, Run
 from post.surface import Lattice, edges_of, find_lattice
 
@@ -179,17 +179,11 @@ def measure_perforation(plate: Plate) -> Perforation:
     times its area is no hole of its own.
     """
     raster = _raster_of(plate)
-    half = 0.5 * np.abs(plate.edges).sum(axis=1)[:, plate.plane]
-    half = np.minimum(half, plate.lattice.step[list(plate.plane)] * 0.75)
-
-    def look(rows: np.ndarray) -> list[Opening]:
-        dark = raster.shadow(plate.points[rows][:, plate.plane], half[rows])
-        return openings(*_mirrored(raster, dark, plate.mirrors))
 
     def both(some: np.ndarray) -> tuple[list[Opening], list[Opening]]:
-        return look(some & plate.stays), look(some & plate.sound)
+        return openings_in(plate, some & plate.stays), openings_in(plate, some & plate.sound)
 
-    whole, nothing = _mirrored(raster, np.zeros(raster.shape, bool), plate.mirrors)
+    whole, nothing = mirrored(raster, np.zeros(raster.shape, bool), plate.mirrors)
     none = region_of(whole, nothing)
     through = both(np.ones(len(plate.points), bool))
     layers = [both(plate.layer == k) for k in np.unique(plate.layer)]
@@ -202,6 +196,15 @@ def measure_perforation(plate: Plate) -> Perforation:
             continue
         holes.append(HoleAround(at[0], at[1:], _damage_around(plate, at[0].seen), copies))
     return Perforation(plate, whole, holes, 1 - float(plate.stays.mean()))
+
+
+def openings_in(plate: Plate, rows: np.ndarray) -> list[Opening]:
+    """Openings in the shadow of some particles (n) along the normal, of the whole plate."""
+    raster = _raster_of(plate)
+    half = 0.5 * np.abs(plate.edges).sum(axis=1)[:, plate.plane]
+    half = np.minimum(half, plate.lattice.step[list(plate.plane)] * 0.75)
+    dark = raster.shadow(plate.points[rows][:, plate.plane], half[rows])
+    return openings(*mirrored(raster, dark, plate.mirrors))
 
 
 def _in_rim(gap: Hole, hole: Hole) -> bool:
@@ -242,16 +245,6 @@ def _raster_of(plate: Plate) -> Raster:
     return Raster(low, pixel, tuple(shape))
 
 
-def _mirrored(raster: Raster, dark: np.ndarray, mirrors: tuple[bool, bool]):
-    """The whole raster and its picture, from the part beside the planes of symmetry."""
-    low = raster.low.copy()
-    for d, cut in enumerate(mirrors):
-        if cut:
-            dark = np.concatenate([np.flip(dark, d), dark], d)
-            low[d] = -raster.shape[d] * raster.pixel
-    return Raster(low, raster.pixel, dark.shape), dark
-
-
 def _damage_around(plate: Plate, hole: Opening) -> dict[str, Opening]:
     """Projection of the damage that is connected with the hole, in the unloaded plate."""
     i, j = plate.plane
@@ -267,7 +260,7 @@ def _damage_around(plate: Plate, hole: Opening) -> dict[str, Opening]:
         broken = (np.max(there, axis=0) > BROKEN) | ~plate.stays
         mask = np.zeros(shape, bool)
         mask[place[broken, i] - 1, place[broken, j] - 1] = True
-        whole, mask = _mirrored(raster, mask, plate.mirrors)
+        whole, mask = mirrored(raster, mask, plate.mirrors)
         found[name] = region_of(whole, _region_at(whole, mask, hole.middle))
     return found
 

@@ -57,7 +57,7 @@ def openings(raster: Raster, dark: np.ndarray) -> list[Opening]:
     Gaps narrower than three pixels are not opened, regions smaller than a particle left out, and
     at most `MOST` are given.
     """
-    light = _opened(~dark)
+    light = opened(~dark)
     name = regions(light)
     rim = np.concatenate([name[0], name[-1], name[:, 0], name[:, -1]])
     size = np.bincount(name[light], minlength=1)
@@ -89,7 +89,23 @@ def regions(light: np.ndarray) -> np.ndarray:
     return found
 
 
-def _opened(light: np.ndarray) -> np.ndarray:
+def mirrored(raster: Raster, values: np.ndarray, mirrors: tuple[bool, bool]):
+    """The whole raster and its picture, from the part beside the planes of symmetry.
+
+    A row whose middle lies on a plane is its own image.
+    """
+    low = raster.low.copy()
+    for d, cut in enumerate(mirrors):
+        if cut:
+            image = np.flip(values, d)
+            if abs(raster.low[d] + 0.5 * raster.pixel) < 0.25 * raster.pixel:
+                image = image.take(range(image.shape[d] - 1), d)
+            low[d] = (0.5 * (values.shape[d] - image.shape[d]) - values.shape[d]) * raster.pixel
+            values = np.concatenate([image, values], d)
+    return Raster(low, raster.pixel, values.shape), values
+
+
+def opened(light: np.ndarray) -> np.ndarray:
     """Light without what is narrower than three pixels: shrunk by one pixel and grown again."""
     return _grown(~_grown(~light))
 

@@ -13,7 +13,7 @@ from post.style import INK
 from post.units import show
 
 TIMES = {"arrival": ":", "peak_time": "--"}  # line styles
-LEVELS = {"peak": "-.", "final": (0, (6, 2))}
+LEVELS = {"peak": "-.", "final": (0, (6, 2)), "permanent_set": (0, (3, 1))}
 
 
 def draw_references(axis, gauge: Gauge, references: list[Reference], scale: tuple) -> None:

@@ -21,7 +21,9 @@ from post.interface import draw_interfaces, interface_table
 from post.motion_picture import draw_motion
 from post.page import PAGE, html_picture, html_problems, html_table
 from post.perforation import LEAST, load_plate, measure_perforation
+from post.plate_reference import plate_references
 from post.reader import Frame, Run
+from post.results import material_table, results_table
 from post.style import Picture
 from post.tables import Table, as_text
 from post.units import show, show_point
@@ -39,6 +41,7 @@ def make_report(run: Run, given_references: str | Path | None = None) -> tuple[P
     run.leave_out_damaged()
     path = find_references(run, given_references)
     references = read_references(path) if path else []
+    references += plate_references(run)
     folder = run.folder / "report"
     folder.mkdir(exist_ok=True)
     pictures, failures = _draw_all(run, references, folder)
@@ -48,10 +51,12 @@ def make_report(run: Run, given_references: str | Path | None = None) -> tuple[P
         comparison_table(compare(run, references), path),
         balance_table(run),
         totals_table(run),
+        results_table(run),
         *holes,
         gauge_table(run),
         displacement_table(run),
         body_table(run),
+        material_table(run),
         interface_table(run),
     ]
     tables = [table for table in tables if table.rows]
@@ -168,9 +173,9 @@ def _html(
     title = run.deck.title or run.job
     body = [_facts(run)]
     body.insert(0, html_problems(problems))
-    body += [html_table(table) for table in tables[:3]]
+    body += [html_table(table) for table in tables[:4]]
     body += [view, *(html_picture(picture) for picture in pictures)]
-    body += [html_table(table) for table in tables[3:]]
+    body += [html_table(table) for table in tables[4:]]
     body.append(
         "<h2>Deck</h2><p>Complete, with all defaults; it runs as it stands.</p>"
         f"<pre>{escape(run.deck.text)}</pre>"

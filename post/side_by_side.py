@@ -13,6 +13,7 @@ from post.deflection import measure_deflection
 from post.errors import PostError
 from post.gauges import list_gauges, measure, pressure_gauges
 from post.reader import Run
+from post.results import SCENE, results, text_of
 from post.tables import Table
 from post.units import show
 
@@ -32,7 +33,7 @@ def name_runs(runs: list[Run]) -> list[str]:
 def summary(run: Run) -> Values:
     """What is compared of a run, as texts by name. Energies, masses and impulses of the whole."""
     found: Values = {}
-    for part in (_size, _displacements, _energies, _numbers, _pressures, _fragments):
+    for part in (_size, _displacements, _energies, _numbers, _pressures, _fragments, _results):
         found |= part(run)
     return found
 
@@ -89,6 +90,18 @@ def _displacements(run: Run) -> Values:
         found[f"{name}, largest"] = f"{show(one.peak, gauge.unit)} at {show(one.peak_time, 's')}"
         found[f"{name}, largest"] += late
         found[f"{name}, at the end"] = show(one.end, gauge.unit)
+        if kind == "displacement":
+            found[f"{name}, permanent set"] = show(one.permanent, gauge.unit)
+    return found
+
+
+def _results(run: Run) -> Values:
+    """Residual velocity, plug, debris, holes, craters, damage, cracks."""
+    found = {}
+    for one in results(run, SCENE):
+        found[one.name.replace("_", " ")] = text_of(one) + (
+            f" ({one.remark})" if one.name.endswith(("velocity", "velocity_now")) else ""
+        )
     return found
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Holes of known size in made-up plates, and histories of displacement of known residual."""
+"""Holes of known size in made-up plates, and histories of displacement of known permanent set."""
 
 import json
 import math
@@ -291,20 +291,20 @@ def test_pieces_against_a_search():
 # --- deflection ---------------------------------------------------------------------------------
 
 
-def test_residual_is_the_shape_about_which_it_swings():
+def test_permanent_set_is_the_shape_about_which_it_swings():
     t = np.linspace(0, 10, 4001)
     move = -3e-3 * (1 - np.exp(-2 * t)) + 2e-3 * np.sin(5 * t) * np.exp(-0.05 * t)
     found = measure_deflection(t, move)
     assert found.peak == move[np.argmin(move)] and found.peak_time == t[np.argmin(move)]
-    assert found.residual == pytest.approx(-3e-3, rel=0.02) and not found.growing
+    assert found.permanent == pytest.approx(-3e-3, rel=0.02) and not found.growing
     noisy = move + np.random.default_rng(2).normal(0, 2e-5, t.size)
-    assert measure_deflection(t, noisy).residual == pytest.approx(-3e-3, rel=0.03)
+    assert measure_deflection(t, noisy).permanent == pytest.approx(-3e-3, rel=0.03)
 
 
 def test_a_history_that_is_still_growing():
     t = np.linspace(0, 1, 50)
     found = measure_deflection(t, -(t**2))
-    assert found.growing and math.isnan(found.residual) and found.peak == -1
+    assert found.growing and math.isnan(found.permanent) and found.peak == -1
 
 
 @pytest.mark.parametrize("move", [[], [0.0, math.nan]])
