@@ -25,6 +25,8 @@ HDF5_LIBS   = $(shell pkg-config --libs-only-L hdf5-serial) -lhdf5_fortran -lhdf
 WARN     := -Wall -Wextra -Wno-c-binding-type -Wno-compare-reals -Wno-maybe-uninitialized \
             -Werror=character-truncation
 FAST     := $(OPT) -march=$(ARCH) -flto=auto
+# Rooms without a loop of the step: to optimise them across files would double the time of a build.
+SETUP_ROOMS := src/deck src/device src/gpu src/output src/solid/bodies src/step/backend src/step/check src/step/run
 QUICKLY  := -O1 -fno-math-errno -fno-trapping-math -march=$(ARCH)
 CHECKED  := -O0 -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow -fbacktrace
 COUNTED  := -O1 -g --coverage -fprofile-abs-path -fprofile-update=atomic
@@ -98,6 +100,8 @@ $(foreach f,$(FAMILIES),$(eval $(MADE)/$f_launches.f90 $(if $(filter $f,$(VARIED
     @mkdir -p $(MADE) && scripts/loops.py $(MADE) $f $(wildcard cuda/$f*.CUF)))
 $(MADE)/model_list.f90 $(MADE)/flow_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py
 	@mkdir -p $(MADE) && scripts/models.py $(MADE) $(MODELS)
+$(if $(DEBUG)$(QUICK)$(COVERAGE),,$(patsubst %.f90,$(B)/obj/%.o,$(filter $(addsuffix /%,$(SETUP_ROOMS)),$(SRC))) \
+    $(B)/obj/presets.o: private FAST := $(QUICKLY))
 $(B)/obj/%.o: %.f90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
 	$(call say,compile $<)
@@ -242,7 +246,7 @@ SCANNED = $(SRC) $(LOOPS) $(wildcard tests/gpu/bench_*.f90) $(B)/version.f90 $(B
           $(FLOORS) $(wildcard studies/*.f90)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }
-	@{ $(FC) --version | head -n 1; echo '$(COMPILE)'; } | $(SAVE) $@
+	@{ $(FC) --version | head -n 1; echo '$(COMPILE)' '$(SETUP_ROOMS)'; } | $(SAVE) $@
 $(B)/sources: FORCE
 	@echo '$(SCANNED)' | $(SAVE) $@
 $(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
