@@ -141,7 +141,8 @@ STUDIES := $(shell sed -n 's/^\([a-z][a-z0-9-]*\):.*/\1/p' /dev/null $(wildcard 
 $(STUDIES):
 	@$(MAKE) --no-print-directory -f studies/Makefile $@
 endif
-.PHONY: unit verify try python figures lint format check-docs gpu-check setup test test-all demo bench bench-ranks golden vectors warnings coverage planted install dist
+SITE := build/site
+.PHONY: site unit verify try python figures lint format check-docs gpu-check setup test test-all demo bench bench-ranks golden vectors warnings coverage planted install dist
 # The figures that tests measure go to NOTES and PYTHON_NOTES; a whole run begins them anew.
 NOTES := build/log/notes$(KIND).csv
 PYTHON_NOTES := build/log/notes-python$(KIND).csv
@@ -238,6 +239,8 @@ figures: ## are the figures in the tables of docs those of the tests? (after ver
 check-docs: all ## is docs/manual/deck_reference.md what the program says?
 	@if [ -x $(BIN) ]; then $(BIN) --describe --markdown | diff -u docs/manual/deck_reference.md -; \
 	else echo 'skipped: there is no $(BIN)'; fi
+site: ## the documentation as web pages with search, links checked: build/site/index.html
+	@.venv/bin/mkdocs build --strict --quiet --site-dir $(SITE) && echo '$(SITE)/index.html'
 gpu-check: $(MADE)/model_list.f90 $(MADE)/flow_list.f90 ## compile all point physics as CUDA Fortran for the GPU, in mixed precision (make gpu compiles the other)
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC) $^
 
@@ -252,7 +255,7 @@ $(B)/sources: FORCE
 $(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
 	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5,funit,pfunit \
 	    $(SCANNED) > $@
-NO_BUILD := clean help setup test test-all demo try coverage planted dist unit-mixed figures warnings lint format gpu-check gpu emulator charts-scenes $(STUDIES)
+NO_BUILD := clean help site setup test test-all demo try coverage planted dist unit-mixed figures warnings lint format gpu-check gpu emulator charts-scenes $(STUDIES)
 ifneq ($(filter-out $(NO_BUILD),$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif

@@ -27,7 +27,7 @@ from pathlib import Path
 COMMENT = re.compile(r"<!-- = (.*?) -->")
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 EXTREME = re.compile(r"(max|min)\((.*)\)")
-PAGES = ["docs/evidence/verification.md", "docs/theory/coupling.md"]
+PAGES = ["docs/evidence/verification.md"]
 ROUNDING = 1e-11
 
 

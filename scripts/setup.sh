@@ -52,7 +52,7 @@ if [ -n "$missing$extra" ]; then
         say "these packages are missing: $missing"
         say "run this once, then try again:"
         echo "    sudo apt-get update && sudo apt-get install -y --no-install-recommends $missing"
-        [ -z "$extra" ] || say "and, to check the code for the GPU (Debian 12): $extra"
+        [ -z "$extra" ] || say "and, if you like, for the GPU (Debian 12) and the site of the documentation: $extra"
         exit 1
     else
         say "optional, not installed: $extra"

@@ -4,7 +4,7 @@
 
 usage: plate_waves.py [metal]
 
-The equations of docs/theory/solids.md, sections 3 and 4, linear, on a lattice without edges (h =
+The equations of docs/theory/solids.md and plates.md, linear, on a lattice without edges (h =
 1.2 spacings, one layer a ply or two), against elasticity in space (quadratic elements across, two
 per ply). Printed is the error of the period along the fibres of the outer plies, across them and at
 45 degrees. So bending (long waves) and transverse shear (short ones) are told apart, without a

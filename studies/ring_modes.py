@@ -11,7 +11,7 @@ period of the eigenmode that is nearest to the mode of theory, and that of the p
 which nothing gives way; both over that of theory (Rayleigh quotient of the same mode, exact
 through the wall). Lattices: 'square', all points of a square lattice within the wall; 'aligned',
 rings of particles behind each other; 'own', rings each with its own number of particles. Tilts
-(docs/theory/solids.md, section 4) have the radial normal of each particle.
+(docs/theory/plates.md) have the radial normal of each particle.
 """
 
 import sys

@@ -4,8 +4,8 @@
 !> Deck:    &material model='hjc'
 !> Method:  pressure as a function of compression and its largest value (hjc_pressure.f90), radial
 !>          return to Y = fc min(([A (1 - D) + B (p/fc)^N] (1 + C ln rate), SMAX), damage by plastic
-!>          and crushing strain; see docs/theory/materials.md
-!> Source:  Holmquist, Johnson & Cook 1993; tension as in docs/theory/materials.md
+!>          and crushing strain; see docs/theory/concrete.md
+!> Source:  Holmquist, Johnson & Cook 1993; tension as in docs/theory/concrete.md
 !> History: see hjc_softening.f90; the damage is that of the point
 module brz_hjc
     use brz_kinds, only: dp, rk

@@ -2,7 +2,7 @@
 !> Concrete with open cracks that flows, or whose mean tension is cut off.
 !>
 !> The flow is along the deviator of the end, at the traction that cracks carry; it takes what of
-!> the work of the step is not held any more. See docs/theory/materials.md.
+!> the work of the step is not held any more. See docs/theory/concrete.md.
 !> Point physics: compiled for the CPU and for the GPU.
 module brz_hjc_crack_flow
     use brz_hjc_cracks, only: carry, compose, cracks_t

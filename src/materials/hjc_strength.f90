@@ -2,7 +2,7 @@
 !> Strength of the Holmquist-Johnson-Cook concrete, and the damage that its flow does.
 !>
 !> Source: Holmquist, Johnson & Cook 1993; surface='malvar' that of malvar_surface.f90, from which
-!> damage takes what lies above rubble; tension as in docs/theory/materials.md.
+!> damage takes what lies above rubble; tension as in docs/theory/concrete.md.
 !> Point physics: compiled for the CPU and for the GPU.
 module brz_hjc_strength
     use brz_hjc_pressure, only: p_a, p_b, p_c, p_d1, p_d2, p_efmin, p_fc, p_floor, p_n, &

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Brisance beside other codes: `make compare`, docs/evidence/comparison.md."""
+"""Brisance beside other codes: `make compare`, studies/notes/comparison.md."""

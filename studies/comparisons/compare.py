@@ -41,7 +41,7 @@ def options(arguments: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--again", action="store_true", help="also what has been run before")
     parser.add_argument("--turns", type=int, default=1, help="runs of each code, in turns (1)")
     parser.add_argument(
-        "--write", action="store_true", help="tables into docs/evidence/comparison.md"
+        "--write", action="store_true", help="tables into studies/notes/comparison.md"
     )
     chosen = parser.parse_args(arguments)
     for name in chosen.cases:
@@ -166,7 +166,7 @@ def main(arguments: list[str] | None = None) -> int:
         figures.draw(case, HOME / "docs" / "figures" / f"comparison_{case.name}.png")
     figures.overview(load_cases(), HOME / "docs" / "figures" / "comparison.png")
     if chosen.write:
-        tables.write_page(Path(HOME / "docs" / "comparison.md"), load_cases())
+        tables.write_page(Path(HOME / "studies" / "notes" / "comparison.md"), load_cases())
     if not chosen.draw:
         print(progress.summary(sum(len(skipped) for _, skipped in plan.values())))
     return 0 if good else 1

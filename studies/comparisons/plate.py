@@ -76,7 +76,7 @@ def lattice(shape: Shape) -> tuple[int, float, float]:
     """Columns of the quarter, their spacing, half the width of the box with its clamp [m].
 
     Three columns are held; the clamp acts at the centres of the first, or `reach` widths behind
-    (docs/theory/solids.md, section 4).
+    (docs/theory/plates.md).
     """
     aimed = (shape.wide or 1) * shape.thickness / shape.layers
     columns = shape.half / aimed + 2.5 - shape.reach

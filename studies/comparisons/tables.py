@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Tables of what was recorded, for the terminal and for docs/evidence/comparison.md."""
+"""Tables of what was recorded, for the terminal and for studies/notes/comparison.md."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def test_records_are_complete(name):
 
 
 def test_the_page_has_the_tables_of_what_is_recorded():
-    text = (HOME / "docs/evidence/comparison.md").read_text(encoding="utf-8")
+    text = (HOME / "studies/notes/comparison.md").read_text(encoding="utf-8")
     assert tables.filled(text, load_cases()) == text, "run make compare ARGS='--draw --write'"
     for name in (*CASES, "versions"):
         assert f"<!-- table: {name} -->" in text

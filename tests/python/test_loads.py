@@ -199,7 +199,7 @@ def test_a_column_hangs_from_its_top(tmp_path):
     """Uniaxial strain, gravity from the start: the tip swings between 0 and a L^2/c^2 with a period
     of 4 L/c; the first swing in parabolas (d'Alembert)."""
     long, pull, spacing = 0.1, 1e5, 1e-3
-    # a column of three particles is held; it acts at the first of them (docs/theory/solids.md)
+    # a column of three particles is held; it acts at the first of them (docs/theory/plates.md)
     deck = f"""\
 &run t_end=7e-5, dimension=1 /
 {STEEL}
@@ -251,7 +251,7 @@ def clamped_beam(elements=200):
 def test_clamped_strip_under_a_triangular_pulse(tmp_path):
     """Deflection of an elastic strip in plane strain against the sum over the modes of a beam."""
     peak, long = 1e6, 2e-4
-    # three columns are held; the clamp acts at the first of them (docs/theory/solids.md)
+    # three columns are held; the clamp acts at the first of them (docs/theory/plates.md)
     deck = f"""\
 &run t_end=6e-4, dimension=2, symmetry='x' /
 {STEEL}

@@ -16,7 +16,7 @@ from tiers import slow
 
 YOUNG, NU, RHO = 200e9, 0.3, 7800.0
 HALF, HIGH = 0.1, 0.01  # [m]
-REACH = 0.28  # of elastic clamps in two dimensions, 0.27 in three: docs/theory/solids.md, section 8
+REACH = 0.28  # of elastic clamps in two dimensions, 0.27 in three: docs/theory/plates.md
 MATERIAL = f"""\
 &material id='m', model='linear_elastic', density={RHO}, youngs_modulus={YOUNG},
     poisson_ratio={NU} /"""
@@ -145,7 +145,7 @@ def plate(folder, layers, reach, scene):
 
 @pytest.mark.parametrize("layers", [3, slow(4)])
 def test_a_plate_swings_as_by_mindlin(tmp_path, layers):
-    """P1 of docs/evidence/comparison.md: 9.229 um by the modes of Mindlin's plate."""
+    """P1 of studies/notes/comparison.md: 9.229 um by the modes of Mindlin's plate."""
     time, move = plate(tmp_path, layers, 0.27, (MATERIAL, 1e5, 1.6e-4))
     note(f"wide_plate_{layers}", move.max() / 9.229e-6)
     note(f"wide_plate_{layers}_time", time[move.argmax()] / 133.1e-6)
@@ -155,7 +155,7 @@ def test_a_plate_swings_as_by_mindlin(tmp_path, layers):
 
 @pytest.mark.parametrize("layers", [3])
 def test_a_plate_that_yields(tmp_path, layers):
-    """P3 of docs/evidence/comparison.md, the first held layer on the edge: peak of the elements,
+    """P3 of studies/notes/comparison.md, the first held layer on the edge: peak of the elements,
     18.7 mm, and what stays, 17.7 mm. What keeps layers straight holds no more than they yield
     to."""
     time, move = plate(tmp_path, layers, 0, (STEEL, 1e8, 6e-4))

@@ -55,7 +55,7 @@ contains
         end do
         if (material%fails == fails_at_once) text = text//indent//'it breaks by strain, not by '// &
             'an energy: work and direction of a tear depend on'//lf//indent//'the spacing and '// &
-            'on the lattice, a factor of 2 (docs/theory/fracture.md)'//lf
+            'on the lattice, a factor of 2 (docs/manual/cracks.md)'//lf
         text = text//unconfirmed_text(input)
 
     contains
@@ -88,7 +88,7 @@ contains
         if (n > 1) text = indent//to_text(n)//' constants of this preset are unconfirmed:'
         if (n > 0) text = text//input%unconfirmed//lf
         if (input%doubtful) text = text//indent//'where and when it breaks rests on '// &
-            "guesses: compare with failure = 'none' (docs/theory/materials.md)"//lf
+            "guesses: compare with failure = 'none' (docs/manual/materials.md)"//lf
     end function unconfirmed_text
 
     !> Four digits: 3831, 0.1106, 1.541E+11.

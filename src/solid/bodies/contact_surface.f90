@@ -8,7 +8,7 @@
 !> surface, and these particles begin to press where it touches a flat body, not where they would
 !> with half a spacing around each.
 !>
-!> Source: docs/theory/solids.md section 9
+!> Source: docs/theory/contact.md
 module brz_contact_surface
     use brz_body, only: body_t
     use brz_cell_grid, only: box_span, cell_span, fill_cells, lay_grid, number_of_cell

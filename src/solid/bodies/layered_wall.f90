@@ -7,7 +7,7 @@
 !> that they are about a spacing apart, a multiple of four, so that planes through the axis cut it
 !> half a spacing off its particles.
 !>
-!> Source: docs/theory/solids.md section 4
+!> Source: docs/theory/plates.md
 module brz_layered_wall
     use brz_body_shape, only: axis_of, layers_of, shape_t
     use brz_case, only: body_case_t

@@ -6,7 +6,7 @@
 !> With tilted gradients (brz_one_sided_arm) they see that of a place a little further out instead:
 !> then the stress alone has the bending stiffness of the whole section, and yields by its law.
 !>
-!> Source: docs/theory/solids.md section 4
+!> Source: docs/theory/plates.md
 module brz_plate
     use brz_body, only: body_t
     use brz_body_shape, only: axis_of, shape_t, whole_sides

@@ -10,7 +10,7 @@
 !> displacements along axis a goes with d_a^2: bending by x z along the layers has the
 !> displacement x^2/2 across them, which else would cost the square of the aspect times more.
 !>
-!> Source: docs/theory/solids.md section 8
+!> Source: docs/theory/plates.md
 module brz_wide_lattice
     use brz_body, only: body_t
     use brz_body_shape, only: shape_t

@@ -9,7 +9,7 @@
 !> never falls, and unloading goes straight back to the origin. Pressure does no damage and always
 !> meets the full stiffness.
 !>
-!> Source: Camanho and Davila, NASA/TM-2002-211737; docs/theory/fracture.md
+!> Source: Camanho and Davila, NASA/TM-2002-211737; docs/theory/cohesive.md
 module brz_cohesive_law
     use brz_cohesive_numbers, only: cohesive_law_t, mixed_bk
     use brz_kinds, only: dp

@@ -7,7 +7,7 @@
 !> is flat to 0.4 % of a spacing (0.7 % where the springs of one body act alone). Damping and
 !> friction act along and across the common normal.
 !>
-!> Source: docs/theory/solids.md section 9
+!> Source: docs/theory/contact.md
 module brz_contact
     use brz_interaction, only: law_bonded, law_shared, interaction_t
     use brz_kernel, only: kernel_slope, kernel_value

@@ -6,7 +6,7 @@
 !> equally. Where the face of one box lies within that of another only its own springs act, twice as
 !> stiff: those of the particles around its edge would push that edge outwards.
 !>
-!> Source: docs/theory/solids.md section 9, faces in contact
+!> Source: docs/theory/contact.md, faces in contact
 module brz_contact_edges
     use brz_body, only: body_t
     use brz_edge_shares, only: edge_shares, n_edge, share_of

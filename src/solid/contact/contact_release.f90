@@ -2,7 +2,7 @@
 !> Pairs of particles that a bond or a cohesive interface keeps from contact, and how contact begins
 !> where it lets go. Point physics.
 !>
-!> Source: docs/theory/solids.md section 9
+!> Source: docs/theory/contact.md
 module brz_contact_release
     use brz_bond_marks, only: bond_breaks, tie_intact, loose_by
     use brz_contact, only: joins

@@ -6,7 +6,7 @@
 !> spacings 0.76, 1.23, 1.01 and 1. A load that is spread otherwise strains the first three layers
 !> below an edge unevenly.
 !>
-!> Source: docs/theory/solids.md section 4, loaded faces
+!> Source: docs/theory/solids.md, loaded faces
 module brz_edge_shares
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, rk

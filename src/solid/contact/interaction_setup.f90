@@ -183,7 +183,7 @@ contains
     !> gradients stay exact for linear fields, forces their adjoint, and the rates are those of the
     !> bodies. Both weights add up to two, so that a uniform stress pulls as before.
     !>
-    !> Source: docs/theory/solids.md section 9; 2 Z_j/(Z_i + Z_j) in Parshikov and Medin 2002
+    !> Source: docs/theory/contact.md; 2 Z_j/(Z_i + Z_j) in Parshikov and Medin 2002
     pure subroutine weigh_bond(p, q, s, t, m)
         type(body_t), intent(in) :: p, q
         type(material_t), intent(in) :: s, t !! theirs

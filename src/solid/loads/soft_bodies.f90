@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Bodies of a linear pressure (p = K mu) under loads of the order of their modulus, as foam under
 !> blast: such material stiffens or crushes, the law does not, and the run ends in an impossible
-!> state (docs/theory/materials.md, foam).
+!> state (docs/manual/materials.md, foam).
 module brz_soft_bodies
     use brz_body, only: body_t
     use brz_case, only: case_t, label
@@ -43,7 +43,7 @@ contains
                 to_text(nint(100*share))//' % of its bulk modulus, where p = K mu holds for '// &
                 'no material and the run may end in an impossible state; foam needs a law '// &
                 'that crushes (hjc by its crush curve) and sides that are fixed: '// &
-                'docs/theory/materials.md, foam'//new_line('a')
+                'docs/manual/materials.md, foam'//new_line('a')
         end associate
     end subroutine judge_soft
 

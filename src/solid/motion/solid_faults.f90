@@ -30,7 +30,7 @@ contains
             remedy = '; try a smaller cfl or another formulation for this body'
             if (maxval(abs(solid%stress(:3, i))) > large*material%bulk) remedy = remedy// &
                 '. Its stress is a good part of its bulk modulus: if this is foam, take a law '// &
-                'that crushes and hold its sides (docs/theory/materials.md, foam)'
+                'that crushes and hold its sides (docs/manual/materials.md, foam)'
         end associate
         write (text, '(a, i0, 3a, 3(es11.3), a, 3(es11.3), a, es11.3, a, 6(es11.3), a, i0, a)') &
             'particle ', solid%id(i), " of body '", trim(solid%bodies(solid%block(1, k))%id), &

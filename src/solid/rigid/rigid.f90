@@ -5,7 +5,7 @@
 !> velocity of a step is that of its middle, so that a free body keeps its angular momentum to
 !> rounding and its energy to second order, without drift.
 !>
-!> Source: docs/theory/solids.md section 10
+!> Source: docs/theory/contact.md
 module brz_rigid
     use brz_kinds, only: dp
     use brz_rigid_body, only: rigid_t

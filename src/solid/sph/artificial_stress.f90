@@ -6,7 +6,7 @@
 !> n = W(0)/W(dx). It belongs to the uncorrected form of the paper;
 !> docs/evidence/verification.md shows what it can and cannot do. Point physics.
 !>
-!> Source: Monaghan 2000, Gray, Monaghan & Swift 2001; docs/theory/solids.md section 4
+!> Source: Monaghan 2000, Gray, Monaghan & Swift 2001; docs/theory/solids.md
 module brz_artificial_stress
     use brz_algebra, only: to_matrix
     use brz_eigen, only: diagonalise

@@ -9,7 +9,7 @@
 !> gives back in the forces of pairs. So the outermost layer meets the whole traction, where forces
 !> on particles alone give it half (see brz_face_stress), and no energy is made.
 !>
-!> Source: docs/theory/solids.md section 9, faces in contact
+!> Source: docs/theory/contact.md, faces in contact
 module brz_contact_face
     use brz_kinds, only: real32, rk
     implicit none

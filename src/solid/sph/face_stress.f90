@@ -8,7 +8,7 @@
 !> force alone meets half of the traction in the outermost layer, as its corrected gradient sees
 !> neighbours on one side and weighs them twice. |q| A/V is `face_share`, some 0.47.
 !>
-!> Source: docs/theory/solids.md section 4, loaded faces
+!> Source: docs/theory/solids.md, loaded faces
 module brz_face_stress
     use brz_face_layers, only: layers_t
     use brz_kernel, only: kernel_slope

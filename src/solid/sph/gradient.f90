@@ -5,7 +5,7 @@
 !> With w = V_j F_ij, M = sum w x_ij (x) x_ij and B = M^-1, the gradient of a field u is
 !> sum w u_ij (x) x_ij B: exact for linear fields on any arrangement of particles. Point physics.
 !>
-!> Source: docs/theory/solids.md section 3; Randles & Libersky 1996, Bonet & Lok 1999
+!> Source: docs/theory/solids.md; Randles & Libersky 1996, Bonet & Lok 1999
 module brz_gradient
     use brz_algebra, only: determinant3, inverse3, multiply3, to_matrix
     use brz_eigen, only: diagonalise

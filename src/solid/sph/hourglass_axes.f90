@@ -10,7 +10,7 @@
 !> particles lose, which see the strain of a place deeper; this goes with the modulus of the outer
 !> plies.)
 !>
-!> Source: docs/theory/solids.md section 4
+!> Source: docs/theory/plates.md
 module brz_hourglass_axes
     use brz_kernel, only: kernel_scale, kernel_slope
     use brz_kinds, only: rk

@@ -4,7 +4,7 @@
 !> Its slope enters the pair sums as F = -W'/r >= 0, so that grad_i W = -F x_ij. The same
 !> polynomial serves in 1-D, 2-D and 3-D; the normalisation differs. Point physics.
 !>
-!> Source: Wendland 1995; docs/theory/solids.md section 2
+!> Source: Wendland 1995; docs/theory/solids.md
 module brz_kernel
     use brz_kinds, only: rk
     implicit none

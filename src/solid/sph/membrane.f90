@@ -7,7 +7,7 @@
 !> n with the layer, so that no shear across it appears, and stretches it so that its faces are
 !> free of stress; the stress acts in the layer alone, and so exerts no torque. Point physics.
 !>
-!> Source: docs/theory/solids.md section 3
+!> Source: docs/theory/solids.md
 module brz_membrane
     use brz_algebra, only: determinant3, inverse3
     use brz_kinds, only: rk

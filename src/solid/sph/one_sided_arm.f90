@@ -22,7 +22,7 @@
 !>
 !> In a wall round an axis n is radial at each particle.
 !>
-!> Source: docs/theory/solids.md section 4
+!> Source: docs/theory/plates.md
 module brz_one_sided_arm
     use brz_gradient, only: invert_supported
     use brz_kernel, only: kernel_slope

@@ -5,7 +5,7 @@
 !> Every force here changes sign when the particles change places: momentum is conserved to
 !> rounding whatever the state of the material. w = V_i V_j F_ij, x_ij = x_i - x_j. Point physics.
 !>
-!> Source: docs/theory/solids.md section 4
+!> Source: docs/theory/solids.md
 module brz_pair_force
     use brz_kinds, only: rk
     implicit none

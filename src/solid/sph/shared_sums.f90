@@ -6,7 +6,7 @@
 !> counts as one that has come along with the deformation of the particle's own body; that of its
 !> own pairs stays what it is.
 !>
-!> Source: docs/theory/solids.md section 9
+!> Source: docs/theory/contact.md
 module brz_shared_sums
     use brz_algebra, only: multiply3, to_matrix
     use brz_gradient, only: correction

@@ -10,7 +10,7 @@
 !> expanded (spalled) and of neighbourhoods that the unloaded body no longer describes. Point
 !> physics.
 !>
-!> Source: docs/theory/solids.md section 4
+!> Source: docs/theory/solids.md
 module brz_tensile_control
     use brz_kinds, only: rk
     implicit none

@@ -240,7 +240,7 @@ contains
         call say_more('within the positive phase (until '// &
                       time_text(blast%arrival + blast%duration)//'); sides '// &
                       length_text(sqrt((distance + c*blast%duration)**2 - distance**2)/2)// &
-                      ' away keep it free (docs/theory/air.md, how large a box)')
+                      ' away keep it free (docs/manual/blast.md, size of the box)')
     end subroutine judge_sides
 
     !> Cells beyond the front at the end of the run: they cost memory alone.

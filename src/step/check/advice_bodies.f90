@@ -124,7 +124,7 @@ contains
     end subroutine advise_cracks
 
     !> A pipe of metal of few layers: no gradient of it is tilted, and it bends too softly
-    !> (docs/theory/solids.md, section 4).
+    !> (docs/theory/plates.md).
     subroutine advise_walls(case, solid)
         type(case_t), intent(in) :: case
         type(solid_t), intent(in) :: solid
@@ -174,7 +174,7 @@ contains
                     call say_advice("'"//trim(input%id)//"' has four layers across "// &
                                     axes(a:a)//', which lock where it folds: a plastic hinge')
                     call say_more('carries 1.39 of its load and rising; 3, 5 or 6 layers '// &
-                                  '1.16 to 1.23 (docs/theory/solids.md)')
+                                  '1.16 to 1.23 (docs/theory/plates.md)')
                 end if
                 if (nint(side(a)/input%spacing) /= 2) cycle
                 call say_advice("'"//trim(input%id)//"' has two layers across "//axes(a:a)// &

@@ -88,5 +88,5 @@ CASE = Case(
     "one that does not move (C0). Ours moves 6 % less with four layers: the air before a panel "
     "that gives way at up to 8 m/s pushes less, by rho c v some 4 kPa of 88, and it damps. Exact: "
     "a free plate of 10 kg/m2 behind a shock of Mach 3 moves at 0.995, 1.005 and 1.003 of the "
-    "closed form after 0.2, 1 and 2 ms ([coupling.md](../theory/coupling.md)).",
+    "closed form after 0.2, 1 and 2 ms ([coupling.md](../../docs/theory/coupling.md)).",
 )

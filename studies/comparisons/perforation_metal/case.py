@@ -31,6 +31,6 @@ CASE = Case(
     },
     text="LAMMPS: package MACHDYN, updated Lagrangian, Tait's equation of state with the exponent "
     "4 s - 1, which bends the compression curve as ours does. The table of "
-    "[validation.md](validation.md) has the hole against time, yield stress and spall limit: each "
-    "moves it by more than the codes differ.",
+    "[validation.md](../../docs/evidence/validation.md) has the hole against time, yield stress "
+    "and spall limit: each moves it by more than the codes differ.",
 )
