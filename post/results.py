@@ -2,7 +2,7 @@
 """The results of a run that are asked for first, each as one number with a name and a unit.
 
 `results(run)` gives them all; the report and the comparison show them, studies and certificates
-take them by name. docs/results.md says how each is measured.
+take them by name. docs/manual/results.md says how each is measured.
 """
 
 from __future__ import annotations

@@ -47,7 +47,7 @@ contains
             ''//lf// &
             'options of run:'//lf// &
             '  --check                  read and discretise the deck, print its cost'//lf// &
-            '  --echo FILE              with --check: write the complete deck, defaults and all'//lf// &
+            '  --echo FILE              with --check: write the deck with all defaults'//lf// &
             '  --ranks N                with --check: what each of N processes gets'//lf// &
             '  --out DIR                folder of the results (default out/<deck name>)'//lf// &
             '  --replace                remove results of an earlier run from that folder'//lf// &

@@ -97,8 +97,23 @@ def known_names():
     return known
 
 
+def made_names():
+    """Patterns of names that Python puts together, as f"{head}_depth"."""
+    for path in (ROOT / "post").glob("*.py"):
+        for text in re.findall(r'f"([^"]*)"', path.read_text()):
+            for word in text.split():
+                fixed = re.split(r"\{[^}]*\}", word)
+                if len(fixed) > 1 and "_" in "".join(fixed) and len("".join(fixed)) > 4:
+                    yield r"\w+".join(re.escape(part) for part in fixed)
+
+
+MADE_NAMES = list(made_names())
+
+
 def is_known(name, known):
     """True for a name in the sources, or for one that is written around one of them."""
+    if any(re.fullmatch(pattern, name) for pattern in MADE_NAMES):
+        return True
     item = re.fullmatch(r"each_(\w+)", name)  # the loop over an item
     family = re.fullmatch(r"[a-z]+_(kernels_t)", name)  # the launches of a family of kernels
     return bool(name in known or (item and item[1] in known) or (family and family[1] in known))
@@ -115,6 +130,7 @@ def test_what_is_not_there_is_seen(tmp_path, known_names):
     """The tests above can fail."""
     assert names_in("the procedure `no_such_procedure` of") == {"no_such_procedure"}
     assert not is_known("no_such_procedure", known_names)
+    assert is_known("crater_depth", known_names)
     assert is_known("sort_bin", known_names) and is_known("each_press_links", known_names)
     assert list(paths_in("see `src/no_such_file.f90`.")) == ["src/no_such_file.f90"]
     assert not is_there("src/no_such_file.f90")

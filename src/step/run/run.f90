@@ -157,8 +157,8 @@ contains
 
         if (failed(err) .or. options%echo == '') return
         if (.not. options%check) then
-            call raise(err, exit_deck, 'run: --echo goes with --check; a run leaves its complete '// &
-                       'deck in the folder of its results')
+            call raise(err, exit_deck, 'run: --echo goes with --check; a run leaves its '// &
+                       'complete deck in the folder of its results')
             return
         end if
         call write_text_file(options%echo, echo, err)
