@@ -45,7 +45,7 @@ TOLD      = 2>$(@:.o=.log) || { cat $(@:.o=.log) >&2; exit 1; }; cat $(@:.o=.log
 # --- sources: whatever is there ----------------------------------------------------------------
 SRC  := $(sort $(shell find src -name '*.f90' -o -name '*.F90'))
 MAIN := $(wildcard src/main.f90)
-# Loops, kernels and launches are written around loop bodies: docs/manual/extending.md
+# Loops, kernels and launches are written around loop bodies: src/README.md
 MADE  := build/made
 LOOP_BODIES := $(filter %_loop_bodies.f90,$(SRC))
 BODY_NAMES := $(patsubst %_loop_bodies,%,$(basename $(notdir $(LOOP_BODIES))))

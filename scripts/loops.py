@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Write the loops, kernels and launches around loop bodies, and launches of hand-written kernels.
 
-docs/manual/extending.md says what a loop body is.
+src/README.md says what a loop body is.
 
 usage: loops.py OUTDIR NAME_loop_bodies.f90    (NAME_loops.f90, NAME_kernels.CUF, NAME_launches.f90)
        loops.py OUTDIR NAME FILE.CUF...  (NAME_launches.f90, and NAME_variants.CUF if any)

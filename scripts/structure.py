@@ -220,7 +220,7 @@ def homonyms(sources):
 
 def long_prose(root):
     """Lines of the pages that are too long and no rows of a table."""
-    pages = [*root.glob("*.md"), *root.glob("docs/**/*.md"), *root.glob("tests/**/*.md")]
+    pages = [p for d in (".", "docs/**", "src", "tests/**") for p in root.glob(f"{d}/*.md")]
     for page in sorted(pages):
         for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
             if len(line) > MAX_PROSE and not line.startswith("|"):

@@ -7,7 +7,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = [ROOT / "README.md", ROOT / "tests/pfstub/README.md"]
+PAGES = [
+    ROOT / "README.md",
+    *(ROOT / name / "README.md" for name in ("src", "tests", "tests/pfstub")),
+]
 PAGES += sorted((ROOT / "docs").rglob("*.md"))
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
 # what make, a run or a user makes; the same words begin paths in examples
