@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from pathlib import Path
 
@@ -97,11 +98,38 @@ def _parser() -> argparse.ArgumentParser:
     questions.set_defaults(command=_questions)
     questions.add_argument("folder", metavar="OUT", help="folder of the runs of the questions")
     questions.add_argument("--markdown", metavar="FILE", help="page (default: OUT/questions.md)")
+    _add_study(commands)
     material = commands.add_parser("material", help="curves of a table of `brisance mat`")
     material.set_defaults(command=_material)
     material.add_argument("files", metavar="FILE.csv", nargs="+", help="tables, to be compared")
     material.add_argument("--out", metavar="FILE.png", help="picture (default: FILE.png)")
     return parser
+
+
+def _add_study(commands) -> None:
+    """The command that runs a scene many times."""
+    study = commands.add_parser("study", help="run a scene many times: designs, limits, diagrams")
+    study.set_defaults(command=_study)
+    study.add_argument("file", metavar="STUDY.toml", help="the study (docs/manual/study.md)")
+    study.add_argument("--check", action="store_true", help="say what would run, run nothing")
+    study.add_argument("--list", action="store_true", help="print one command a run")
+    study.add_argument("--jobs", type=int, metavar="N", help="runs at once on cores")
+    study.add_argument("--gpus", default="", metavar="all|0,1", help="GPUs that take long runs")
+    study.add_argument("--out", metavar="FOLDER", help="default: out/study/NAME")
+    study.add_argument("--stop-after", type=float, metavar="S", help="stop so many seconds later")
+    study.add_argument("--retry-failed", action="store_true", help="run again what has failed")
+    study.add_argument("--keep", action="store_true", help="keep dumps and checkpoints")
+    study.add_argument("--brisance", metavar="FILE", help="the program")
+
+
+def _study(options: argparse.Namespace) -> int:
+    from post.study import Options, make_study  # noqa: PLC0415
+
+    out = Path(options.out) if options.out else None
+    after = math.inf if options.stop_after is None else options.stop_after
+    chosen = Options(out, options.jobs, options.gpus, options.check, options.list, after,
+                     options.retry_failed, options.keep, options.brisance)  # fmt: skip
+    return make_study(options.file, chosen)[1]
 
 
 def _report(options: argparse.Namespace) -> int:

@@ -32,6 +32,8 @@ from post.units import show
 
 SCENE = ("shot", "hole", "crater", "damage", "cracks")  # groups beside gauges and sums
 
+KINK = 0.02  # of a peak: neighbours that are lower are not on the same parabola
+
 
 @dataclass(frozen=True)
 class Result:
@@ -98,7 +100,8 @@ def _of_displacement(run: Run, gauge: Gauge) -> Iterator[Result]:
 
 def vertex(time: np.ndarray, values: np.ndarray) -> tuple[float, float]:
     """Time [s] and size of the largest of some values, by the parabola through three samples: a
-    sampled peak lies anywhere within a step.
+    sampled peak lies anywhere within a step. The sample itself where a neighbour is more than
+    `KINK` lower: no parabola is seen there, and one through a front would be far too high.
     """
     i = int(np.argmax(values))
     t, v = float(time[i]), float(values[i])
@@ -106,7 +109,7 @@ def vertex(time: np.ndarray, values: np.ndarray) -> tuple[float, float]:
         return t, v
     a, b = values[i - 1], values[i + 1]
     bend = a - 2 * v + b
-    if bend >= 0:
+    if bend >= 0 or v - min(a, b) > KINK * abs(v):
         return t, v
     s = 0.5 * (a - b) / bend
     return float(t + 0.5 * s * (time[i + 1] - time[i - 1])), float(v - 0.25 * (a - b) * s)

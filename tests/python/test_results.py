@@ -57,9 +57,12 @@ def test_a_plate_that_has_stopped_has_a_permanent_set():
 
 
 def test_a_sampled_peak_is_the_vertex_of_a_parabola():
-    t = np.linspace(0, 1, 12)
+    t = np.linspace(0, 1, 30)
     when, size = vertex(t, 3 - 5 * (t - 0.4321) ** 2)
     assert (when, size) == pytest.approx((0.4321, 3), rel=1e-12)
+    front = np.where(t > 0.5, np.exp(-t), 0)  # a shock: the sample, and nothing above it
+    first = int(np.argmax(front))
+    assert vertex(t, front) == (t[first], front[first])
 
 
 # --- craters ------------------------------------------------------------------------------------
