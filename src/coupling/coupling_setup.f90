@@ -7,19 +7,23 @@ module brz_coupling_setup
     use brz_air_grid, only: grid_of
     use brz_air_part, only: halo_of
     use brz_boxes, only: cells_t
-    use brz_case, only: case_t
+    use brz_case, only: case_t, label
     use brz_cell_shells, only: make_shells
     use brz_coupling_box, only: box_t
     use brz_coupling_ghosts, only: open_halos
     use brz_coupling_state, only: coupling_t
     use brz_coupling_driver, only: move_walls
     use brz_coupling_windows, only: see_halo
+    use brz_cut_driver, only: find_cut_cells, find_shapes, mix_clusters, move_cut_walls, &
+        resume_volumes, set_up_cut_cells, start_volumes
     use brz_deferred_source_driver, only: enter_deferred_sources, size_deferred_sources
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_reclassification_driver, only: put_up_walls
     use brz_face_stress, only: spread_shares
+    use brz_formulation_names, only: form_rigid
     use brz_coupling_ghost_driver, only: renew_coupling_ghosts
     use brz_kinds, only: dp, int32, rk
+    use brz_particle_marks, only: is_fixed
     use brz_positivity, only: floors_of
     use brz_ranks, only: several
     use brz_shared_driver, only: put_halos
@@ -44,22 +48,29 @@ contains
                        'the air has more than 2**31 cells: too many for the coupling')
         end if
         if (failed(err)) return
+        if (case%coupling%scheme == 'cut_cells') call refuse_cut_cells(case, air, solid, err)
+        if (failed(err)) return
         call couple(air, solid, real(case%coupling%spread, rk), &
-                    real(case%coupling%reference_pressure, rk), coupling)
+                    real(case%coupling%reference_pressure, rk), coupling, &
+                    case%coupling%scheme == 'cut_cells')
         coupling%paper = case%coupling%scheme == 'paper'
         if (coupling%paper) air%activity = .false.
     end subroutine set_up_coupling
 
     !> Put the walls up where the particles are. What gas was there is taken out.
-    subroutine couple(air, solid, spread, reference_pressure, coupling)
+    subroutine couple(air, solid, spread, reference_pressure, coupling, cut)
         type(air_t), intent(inout) :: air
         type(solid_t), intent(inout) :: solid !! read
         real(rk), intent(in) :: spread !! depth over which a load is spread, in air cells
         real(rk), intent(in) :: reference_pressure !! taken off every load [Pa]
         type(coupling_t), intent(out) :: coupling
+        logical, intent(in), optional :: cut !! by cut cells
         type(error_t) :: none !! nothing fails on the host
         integer :: n(3)
+        logical :: by_cut_cells
 
+        by_cut_cells = .false.
+        if (present(cut)) by_cut_cells = cut
         coupling%present = .true.
         coupling%ranks = air%part%ranks
         coupling%n_var = air%n_var
@@ -72,11 +83,13 @@ contains
         if (coupling%shells%n >= 3 .and. count(coupling%box%whole > 1) > 1) &
             coupling%level = 1/3.0_rk**count(coupling%box%whole > 1)
         n = coupling%box%n
+        if (by_cut_cells) n = 1 ! neither cell stores nor deferred sources
         allocate (coupling%mark(n(1), n(2), n(3)), coupling%slot(n(1), n(2), n(3)))
         call set_up_walls(air, coupling%wall)
         coupling%wall%stops = .not. coupling%paper
         coupling%wall%lo = 1 - (air%before - coupling%box%before)
-        coupling%wall%hi = coupling%wall%lo + n - 1
+        coupling%wall%hi = coupling%wall%lo + coupling%box%n - 1
+        if (by_cut_cells) call set_up_cut_cells(air, coupling)
         if (several(solid%ranks)) then
             call open_halos(air, solid, coupling)
             call put_halos(coupling, none)
@@ -88,9 +101,42 @@ contains
                       coupling%binned(solid%n))
             allocate (coupling%v_before(3, solid%n), source=0.0_rk)
             call restart_coupling(air, solid, coupling)
-            call empty_walls(air, solid, coupling)
+            if (by_cut_cells) then
+                call mix_clusters(air, coupling, none)
+            else
+                call empty_walls(air, solid, coupling)
+            end if
         end if
     end subroutine couple
+
+    !> Refuse what this version does not compute by cut cells.
+    subroutine refuse_cut_cells(case, air, solid, err)
+        type(case_t), intent(in) :: case
+        type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid
+        type(error_t), intent(inout) :: err
+        integer :: b
+        logical :: whole
+        character(*), parameter :: how = "this version does not have the coupling "// &
+            "scheme='cut_cells' "
+
+        if (any(air%bc == bc_periodic .and. spread(air%n > 1, 1, 2))) then
+            call raise(err, exit_deck, how//'in a periodic box: take wall_flux')
+            return
+        end if
+        do b = 1, size(solid%bodies)
+            associate (body => solid%bodies(b))
+                whole = body%formulation == form_rigid &
+                        .or. all(solid%fixed(body%first:body%last) == is_fixed)
+                if (whole .and. .not. allocated(body%regions)) cycle
+                call raise(err, exit_deck, label('body', case%bodies(b)%id, &
+                           case%bodies(b)%place)//how//"for a body that deforms: make it "// &
+                           "formulation = 'rigid' "// &
+                           "or hold it with fix = 'all', or take scheme = 'wall_flux'")
+                return
+            end associate
+        end do
+    end subroutine refuse_cut_cells
 
     !> Take out of the surface cells what gas the particles leave no room for, all of the others.
     subroutine empty_walls(air, solid, coupling)
@@ -218,6 +264,25 @@ contains
         end if
     end subroutine restart_coupling
 
+    !> Shapes of the cut cells as the particles say, and gas as they leave room for it.
+    subroutine begin_cut_cells(air, p, coupling)
+        type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: p !! bodies and particles
+        type(coupling_t), intent(inout) :: coupling
+        type(error_t) :: none
+        logical :: renewed
+
+        coupling%wall%solid = 0
+        call find_cut_cells(p, coupling, renewed, none)
+        call find_shapes(p, coupling, none)
+        if (coupling%wall%cells%resumes) then
+            call resume_volumes(coupling, none)
+        else
+            call start_volumes(coupling, none)
+        end if
+        call move_cut_walls(air, p, coupling, 0.0_dp, none)
+    end subroutine begin_cut_cells
+
     subroutine begin_walls(air, solid, p, coupling)
         type(air_t), intent(inout) :: air
         type(solid_t), intent(in) :: solid !! bodies
@@ -226,6 +291,10 @@ contains
         type(error_t) :: none
 
         coupling%cell_of = -1
+        if (coupling%wall%cells%present) then
+            call begin_cut_cells(air, p, coupling)
+            return
+        end if
         ! from none: a checkpoint has a map, and not the lists that belong to it
         coupling%wall%n_cells = 0
         coupling%wall%solid = 0

@@ -7,6 +7,8 @@ module brz_exchange_driver
     use brz_coupling_state, only: coupling_t
     use brz_coupling_driver, only: find_velocities
     use brz_coupling_windows, only: offer_window, see_halo
+    use brz_cut_driver, only: feel_loads, load_cut_carriers, move_cut_walls, press_by_cut_cells
+    use brz_cut_exchange_driver, only: renew_cut_cells
     use brz_errors, only: error_t
     use brz_reclassification_driver, only: move_on
     use brz_coupling_ghost_driver, only: renew_coupling_ghosts, send_loads_to_owners
@@ -34,7 +36,10 @@ contains
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
         type(error_t), intent(inout) :: err !! exit_device where a GPU fails, as everywhere here
 
-        if (several(solid%ranks)) then
+        if (c%wall%cells%present) then
+            call move_cut_walls(air, solid, c, dt, err)
+            call keep_velocities(solid, c, err)
+        else if (several(solid%ranks)) then
             associate (before => c%ghosts%v_before, seat => c%part%seat)
                 call find_velocities(air, c%ghost_bodies, c%ghosts, c, dt, before, seat, err)
             end associate
@@ -55,7 +60,9 @@ contains
         real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
         type(error_t), intent(inout) :: err
 
-        if (several(solid%ranks)) then
+        if (c%wall%cells%present) then
+            call press_by_cut_cells(solid, c, dt, err)
+        else if (several(solid%ranks)) then
             ! the ghosts keep theirs when they are renewed
             call for_each_keep_velocity(c%on_gpu, solid%n, solid%wide, solid%stride_d, &
                                         solid%stride_p, solid%v, c%part%seat, solid%v_before, err)
@@ -79,7 +86,11 @@ contains
         integer :: b
 
         if (.not. allocated(solid%bodies)) return
-        call sum_loads(solid, c, load, err)
+        if (c%wall%cells%present) then
+            call load_cut_carriers(solid, c, load, err)
+        else
+            call sum_loads(solid, c, load, err)
+        end if
         do b = 1, c%bodies
             solid%bodies(b)%rigid%load = load(:, b)
         end do
@@ -118,7 +129,9 @@ contains
 
         call at_least(c%on_gpu, c%felt, size(felt), err)
         call clear_list(c%on_gpu, size(felt), c%felt, err)
+        if (c%wall%cells%present) call feel_loads(solid, c, err)
         do b = 1, size(felt)
+            if (c%wall%cells%present) exit
             if (.not. solid%bodies(b)%inactive) cycle
             associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
                 call for_each_take_wall_traction(c%on_gpu, last - first + 1, first, c%box, dt, &
@@ -137,6 +150,10 @@ contains
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
+        if (c%wall%cells%present) then
+            call renew_cut_cells(air, solid, c, err)
+            return
+        end if
         if (several(solid%ranks)) then
             call offer_window(air, c, err)
             call renew_coupling_ghosts(solid, c, err) ! where all meet

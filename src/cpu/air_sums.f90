@@ -45,6 +45,8 @@ contains
         if (wall%present) then
             grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
             call each_wall_speed(wall%n_cells, grid, wall%v, fastest)
+            if (wall%cells%present) &
+                call each_wall_speed(wall%cells%n, grid, wall%cells%v, fastest)
         end if
         least = cfl/fastest
         call least_of_all(air%part%ranks, least)

@@ -84,6 +84,8 @@ contains
         call add_outflow(air, stage, err)
         if (wall%n_faces > 0) &
             call for_each_add_push(air%on_gpu, wall%n_faces, wall%push, wall%impulse, err)
+        if (wall%cells%present) call for_each_add_push(air%on_gpu, 3*wall%cells%n, &
+            wall%cells%push, wall%cells%impulse, err)
     end subroutine take_rates
 
     !> Add up what leaves through the outer faces; on a GPU it is recorded when somebody asks.

@@ -11,6 +11,7 @@ module brz_checkpoint_state
     use brz_carry, only: carry
     use brz_clock, only: clock_t, resume_clock
     use brz_coupling_state, only: coupling_t
+    use brz_cut_cells, only: cut_cells_t
     use brz_energy_account, only: energy_account_t
     use brz_errors, only: error_t, failed
     use brz_hdf5_array, only: h5_shape
@@ -20,6 +21,7 @@ module brz_checkpoint_state
     use brz_kinds, only: dp, int16, int32, int64, int8, real32, real64
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_integer, &
         is_short, is_single
+    use brz_scheme, only: max_var
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none
@@ -290,8 +292,43 @@ contains
         call carry(file, 'coupling/impulse', coupling%diagnostics%impulse, err)
         call carry(file, 'coupling/impulse_reference', coupling%diagnostics%impulse_reference, err)
         call carry(file, 'coupling/images', coupling%diagnostics%images, err)
-        call carry_deferred_sources(file, coupling, err)
+        if (coupling%wall%cells%present) then
+            call carry_cut_cells(file, coupling%wall%cells, err)
+        else
+            call carry_deferred_sources(file, coupling, err)
+        end if
     end subroutine carry_coupling
+
+    !> What the listed cut cells hold, in the order of the list, which follows from the particles.
+    subroutine carry_cut_cells(file, cells, err)
+        type(h5_t), intent(in) :: file
+        type(cut_cells_t), intent(inout) :: cells
+        type(error_t), intent(inout) :: err
+        integer(int64), allocatable :: shape_there(:)
+
+        associate (held => cells%before)
+            if (file%writing) then
+                held%n = cells%n
+                held%volume = cells%volume(:cells%n)
+                held%kept = cells%kept(:, :cells%n)
+                held%shut = cells%shut(:cells%n)
+                held%master = cells%master(:cells%n)
+            else
+                call h5_shape(file, 'coupling/gas_volume', shape_there, err)
+                if (failed(err)) return
+                held%n = int(shape_there(1))
+                if (allocated(held%volume)) deallocate (held%volume, held%kept, held%shut)
+                if (allocated(held%master)) deallocate (held%master)
+                allocate (held%volume(held%n), held%kept(max_var + 1, held%n), &
+                          held%shut(held%n), held%master(held%n))
+                cells%resumes = .true.
+            end if
+            call carry(file, 'coupling/gas_volume', held%volume, err)
+            call carry(file, 'coupling/waiting', held%kept, err)
+            call carry(file, 'coupling/shut', held%shut, err)
+            call carry(file, 'coupling/master', held%master, err)
+        end associate
+    end subroutine carry_cut_cells
 
     !> The list of deferred sources, as long as it is.
     subroutine carry_deferred_sources(file, coupling, err)

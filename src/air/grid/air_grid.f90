@@ -51,6 +51,8 @@ module brz_air_grid
     type :: stage_t
         real(rk) :: dt !! time step [s]
         real(rk) :: weight !! of the new state
+        real(rk) :: passed !! part of the step that the state before the stage has made
+        integer :: first !! 1: the first stage
         real(rk) :: floors(3) !! of the Euler step, see floors_of
         real(dp) :: leaves(3) !! area of a face times its share of dt, by direction [m2 s]
         real(rk) :: push(3) !! the same, for the impulse on walls

@@ -4,6 +4,7 @@ module brz_air_state
     use brz_air_device, only: air_device_t
     use brz_air_grid, only: brick, grid_t
     use brz_air_part, only: air_part_t
+    use brz_cut_cells, only: cut_cells_t
     use brz_boundary_codes, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall
     use brz_inflow_history, only: inflow_t
     use brz_kinds, only: dp, int8, int64, rk
@@ -143,6 +144,8 @@ module brz_air_state
         real(rk), allocatable :: impulse(:)
         !! (n_faces) integral of p* A dt over the step, along the side [N s]
         type(cut_t) :: cut(3) !! for the sweeps, one for each direction
+        type(cut_cells_t) :: cells !! cut cells, in place of all lists above; `solid` holds the
+                                   !! cells without gas
         integer, allocatable :: seen(:, :)
         !! (3, n) where the walls are on a GPU: cells near gauges that hold solid, for a row
         real(rk), allocatable :: seen_v(:, :) !! (3, n) their velocities [m/s]

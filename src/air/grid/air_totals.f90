@@ -2,8 +2,9 @@
 !> Sums over all cells of the air, of all processes: the same bits whatever the threads do and
 !> however many processes there are. Bricks are summed in order, and the bricks exactly.
 module brz_air_totals
-    use brz_air_grid, only: grid_of, grid_t
+    use brz_air_grid, only: cell_at, grid_of, grid_t
     use brz_air_state, only: air_t, bc_periodic, wall_t
+    use brz_cut_cells, only: cut_cells_t
     use brz_brick_loops, only: each_total_brick
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64, int8, rk
@@ -50,6 +51,7 @@ contains
         integer :: c
 
         call gas_sums(air, sums, wall)
+        if (wall%cells%present) call leave_out(air, wall%cells, sums)
         total = 0
         if (wall%present) then
             kept = 0
@@ -66,6 +68,27 @@ contains
         if (present(kinetic)) kinetic = sums(0)*product(air%dx)
         if (present(products)) products = (sums(6) + total(6))*product(air%dx)
     end subroutine air_totals
+
+    !> Take out of sums over whole cells what cut cells do not hold, and add what waits in others.
+    subroutine leave_out(air, cells, sums)
+        type(air_t), intent(in) :: air
+        type(cut_cells_t), intent(in) :: cells
+        real(dp), intent(inout) :: sums(0:6) !! see gas_sums
+        real(dp) :: less(7, cells%n), total(7), u(air%n_var)
+        integer :: ijk(3), s
+
+        less = 0
+        do s = 1, cells%n
+            less(2:, s) = cells%kept(:6, s) ! what waits is gas all the same
+            if (cells%place(s) == 0 .or. cells%shut(s) /= 0) cycle
+            ijk = cell_at(cells%nodes%n, cells%cell(s))
+            u = air%u(ijk(1), ijk(2), ijk(3), :)
+            less(1, s) = (cells%volume(s) - 1)*(u(2)**2 + u(3)**2 + u(4)**2)/(2*u(1))
+            less(2:1 + air%n_var, s) = less(2:1 + air%n_var, s) + (cells%volume(s) - 1)*u
+        end do
+        call exact_sums(air%part%ranks, less, total)
+        sums = sums + total
+    end subroutine leave_out
 
     !> What left through the outer faces of the grid so far, and the products in it [kg].
     subroutine outflow_of_all(air, outflow, products)

@@ -5,7 +5,7 @@ module brz_air_stage
     use brz_air_state, only: air_t, bc_periodic
     use brz_kinds, only: dp, rk
     use brz_positivity, only: floors_of
-    use brz_runge_kutta, only: new_weight, share_of
+    use brz_runge_kutta, only: new_weight, passed_before, share_of
     implicit none
     private
     public :: stage_of
@@ -22,6 +22,8 @@ contains
 
         stage%dt = real(dt, rk)
         stage%weight = new_weight(m, air%n_stages)
+        stage%passed = passed_before(m, air%n_stages)
+        stage%first = merge(1, 0, m == 1)
         stage%floors = floors_of(air%fallback, air%scheme%gamma, air%rho_rest, air%p_rest)
         share = real(share_of(m, air%n_stages), rk)*stage%dt
         stage%leaves = share*(product(air%dx)/air%dx)

@@ -227,8 +227,10 @@ contains
             expert='skin')
         call add_group(keys, 'coupling', 'How air and bodies meet.', [ &
             words('scheme', 'wall_flux: fluxes at walls, nothing is lost. paper: as the paper '// &
-                'prints it, solid cells filled with gas, to compare; it loses mass.', &
-                default='wall_flux', choices='wall_flux|paper'), &
+                'prints it, solid cells filled with gas, to compare; it loses mass. '// &
+                'cut_cells: walls where they are, through cells, for bodies that are rigid '// &
+                'or held.', &
+                default='wall_flux', choices='wall_flux|paper|cut_cells'), &
             number('spread', '-', 'Depth over which a surface load is spread into a body, in '// &
                 'air cells.', default='1.5', above=zero, upper=10*one), &
             number('reference_pressure', 'Pa', 'Pressure taken off every load; that of the '// &

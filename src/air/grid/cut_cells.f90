@@ -1,0 +1,92 @@
+! SPDX-License-Identifier: MIT
+!> Cut cells: the cells of the air near bodies, whose faces are open in part and which hold gas in
+!> part. Plain data.
+!>
+!> The list has all cells within `near` cells of one that holds particles, in memory order of the
+!> grid of nodes: entry s is the cell with that number, and the node at its low corner. At the high
+!> end of a direction there is one more node than cells; an entry there is a node alone. All other
+!> cells are gas with open faces.
+!>
+!> Lengths, areas and volumes in arrays are in cells, and faces go by 2d - 1 (low) and 2d (high).
+module brz_cut_cells
+    use brz_air_grid, only: grid_t
+    use brz_kinds, only: dp, int32, int64, int8, rk
+    implicit none
+    private
+    public :: cut_before_t, cut_cells_t, node_grid_t, near, bare
+
+    integer, parameter :: near = 3 !! cells round one with particles that are listed
+    real(rk), parameter :: bare = 1e-12_rk !! wall area that counts as none, in faces
+
+    !> The grid of nodes, and how cells lie in memory.
+    type :: node_grid_t
+        integer :: n(3) = 1 !! nodes; 1 where a direction is not modelled
+        integer :: cells(3) = 1
+        integer :: dimensions = 0 !! directions that are modelled
+        real(dp) :: lo(3) = 0, dx(3) = 1 !! low corner and sides of a cell [m]
+        real(rk) :: area(3) = 1 !! of the faces normal to each direction [m2]
+        real(rk) :: volume = 1 !! of a cell [m3]
+        type(grid_t) :: grid !! of the air
+    end type node_grid_t
+
+    !> The list before bodies moved, or what a checkpoint has of it.
+    type :: cut_before_t
+        integer :: n = 0
+        integer(int32), allocatable :: cell(:), shut(:), master(:)
+        real(rk), allocatable :: aperture(:, :), volume(:), swept(:), kept(:, :)
+    end type cut_before_t
+
+    type :: cut_cells_t
+        logical :: present = .false.
+        type(node_grid_t) :: nodes
+        integer :: n = 0 !! entries of the list
+        integer(int32), allocatable :: slot(:) !! (nodes) place in the list, 0: not listed
+        integer(int8), allocatable :: mark(:) !! (nodes) work map of a new list
+        integer(int8), allocatable :: next_mark(:)
+        integer(int32), allocatable :: cell(:) !! (n) number in the grid of nodes
+        integer(int32), allocatable :: place(:) !! (n) among the cells of the air; 0: a node alone
+        integer(int32), allocatable :: beside(:, :) !! (6, n) entry across each face, 0: not listed
+        ! nodes
+        real(rk), allocatable :: fill(:) !! (n) share of volume that particles fill
+        real(dp), allocatable :: mass(:) !! (n) of the particles near it, by tent weights [kg]
+        real(dp), allocatable :: momentum(:, :) !! (3, n) likewise [kg m/s]
+        real(rk), allocatable :: distance(:) !! (n) signed distance to the wall, + in the gas
+        real(rk), allocatable :: thickness(:) !! (n) largest interpolated fill in the cell
+        real(rk), allocatable :: ball(:) !! (n) largest radius of a ball of a thin part in the cell
+        integer(int32), allocatable :: heaviest(:) !! (n) particle of the most mass there, 0: none
+        real(dp), allocatable :: force(:, :) !! (3, n) load that the node hands to particles [N]
+        real(dp), allocatable :: moment(:, :) !! (3, n) its torque about the low corner [N m]
+        real(dp), allocatable :: bearing(:) !! (n) mass of the nodes that bear the load of the cell,
+                                            !! < 0: those around it [kg]
+        ! cells
+        real(rk), allocatable :: gas(:) !! (n) share of gas by geometry; 0: shut
+        integer(int32), allocatable :: shut(:) !! (n) 1: no face of it is open
+        real(rk), allocatable :: aperture(:, :) !! (6, n) open share of each face
+        real(rk), allocatable :: middle(:, :) !! (3, n) of the wall, from the low corner
+        real(rk), allocatable :: area(:, :) !! (3, n) of the wall, out of the gas [m2]
+        real(rk), allocatable :: v(:, :) !! (3, n) velocity of the wall [m/s]
+        integer(int32), allocatable :: carrier(:) !! (n) body that carries the wall, 0: none
+        real(rk), allocatable :: volume(:) !! (n) of the gas, integrated
+        real(rk), allocatable :: held(:) !! (n) gas by which clusters are made
+        real(rk), allocatable :: swept(:) !! (n) what it gains in the step
+        integer(int32), allocatable :: master(:) !! (n) entry whose cluster it belongs to
+        integer(int32), allocatable :: next_master(:)
+        integer(int32), allocatable :: ends(:), member(:) !! entries by their master
+        real(rk), allocatable :: kept(:, :) !! (max_var + 1, n) content of cells without gas that
+                                            !! waits, and its volume, over that of a cell
+        ! what goes over to new shapes
+        type(cut_before_t) :: before
+        logical :: resumes = .false. !! `before` is from a checkpoint
+        integer(int32), allocatable :: from(:), band(:), takers(:)
+        real(rk), allocatable :: content(:, :), was_open(:, :), opening(:), off(:), flow(:, :)
+        integer :: slowed = 0, pockets = 0, absorbed = 0 !! clusters, cells so far
+        ! a stage
+        real(rk), allocatable :: rate(:, :) !! (n_var, n) of the content over the volume of a cell
+        real(rk), allocatable :: push(:, :) !! (3, n) impulse on the wall in the stage [N s]
+        real(rk), allocatable :: impulse(:, :) !! (3, n) likewise in the step
+        ! particles
+        integer(int32), allocatable :: home(:) !! (particles) entry of its cell, 0: outside
+        integer(int32), allocatable :: bin_ends(:), binned(:) !! particles by entry
+        real(rk), allocatable :: radius(:) !! (particles) of the ball of a thin part, 0: none
+    end type cut_cells_t
+end module brz_cut_cells

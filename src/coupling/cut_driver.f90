@@ -1,0 +1,432 @@
+! SPDX-License-Identifier: MIT
+!> Cut cells: list, shapes, clusters and loads, the operations in their order.
+module brz_cut_driver
+    use brz_air_state, only: air_t
+    use brz_bin_loops, only: for_each_sort_bin
+    use brz_cell_loop_bodies, only: cells_of_a_chunk
+    use brz_cell_loops, only: for_each_count_kind, for_each_list_kind
+    use brz_coupling_device, only: diag_at, diag_work
+    use brz_coupling_state, only: coupling_t
+    use brz_cut_cells, only: cut_cells_t
+    use brz_cut_cluster_loops, only: for_each_cut_adopt, for_each_cut_follow, &
+        for_each_cut_mean_state, for_each_cut_point, for_each_cut_shut_pocket, for_each_cut_weigh
+    use brz_cut_motion_loops, only: for_each_cut_find_carrier, for_each_cut_sum_load, &
+        for_each_cut_sum_push, for_each_cut_sweep, for_each_cut_tame, for_each_cut_wall_velocity
+    use brz_cut_list_loops, only: for_each_cut_cell_of, for_each_cut_find_beside, &
+        for_each_cut_find_home, for_each_cut_mark, for_each_cut_set_slot, for_each_cut_widen
+    use brz_cut_load_loops, only: for_each_cut_bear, for_each_cut_feel, for_each_cut_find_bearing, &
+        for_each_cut_load_particle, for_each_cut_record
+    use brz_cut_node_loops, only: for_each_cut_fill_node, for_each_cut_find_ball, &
+        for_each_cut_find_distance, for_each_cut_find_largest, for_each_cut_find_thickest, &
+        for_each_cut_see_fill
+    use brz_cut_shape_loops, only: for_each_cut_close, for_each_cut_open, for_each_cut_shape
+    use brz_driven_body_motion, only: foresee_driven_bodies, read_driven_bodies
+    use brz_driven_body_rules, only: carries_all, carries_none, n_push
+    use brz_errors, only: error_t, exit_deck, raise
+    use brz_kinds, only: dp, int32, int8, rk
+    use brz_lists, only: at_least, clear_list, clear_map, count_in_bins, put_in_bins, running_sum, &
+        swap
+    use brz_scheme, only: max_var
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: set_up_cut_cells, find_cut_cells, find_shapes, start_volumes, mix_clusters, &
+        press_by_cut_cells, feel_loads, move_cut_walls, load_cut_carriers, open_faces, &
+        find_clusters, resume_volumes
+
+    integer, parameter :: in_turn = 3 !! pointers that are followed
+    integer, parameter :: adoptions = 2 !! times that small clusters join larger ones
+    real(rk), parameter :: negligible = 1e-9_rk !! load of a particle, of the reference on a face
+
+contains
+
+    !> The grid of nodes, and maps without an entry.
+    subroutine set_up_cut_cells(air, c)
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(inout) :: c
+        integer :: n
+
+        associate (cells => c%wall%cells)
+            cells%present = .true.
+            cells%nodes%cells = air%n
+            cells%nodes%n = merge(air%n + 1, 1, air%n > 1)
+            cells%nodes%dimensions = count(air%n > 1)
+            cells%nodes%lo = air%lo
+            cells%nodes%dx = air%dx
+            cells%nodes%area = real(product(air%dx)/air%dx, rk)
+            cells%nodes%volume = real(product(air%dx), rk)
+            cells%nodes%grid = c%box%grid
+            cells%n = 0
+            n = product(cells%nodes%n)
+            allocate (cells%slot(n), source=0_int32)
+            allocate (cells%mark(n), cells%next_mark(n), source=0_int8)
+        end associate
+    end subroutine set_up_cut_cells
+
+    !> List the cells near particles and sort these into them; `renewed` where the list is another.
+    subroutine find_cut_cells(p, c, renewed, err)
+        type(solid_t), intent(in) :: p !! particles
+        type(coupling_t), intent(inout) :: c
+        logical, intent(out) :: renewed
+        type(error_t), intent(inout) :: err
+        integer :: moved
+
+        associate (cells => c%wall%cells)
+            moved = 0
+            call for_each_cut_cell_of(c%on_gpu, p%n, cells%nodes, p%wide, p%x, p%fixed, c%cell_of, &
+                                      moved, err)
+            renewed = moved > 0 .or. p%rebuilds /= c%rebuilds
+            c%rebuilds = p%rebuilds
+            if (.not. renewed) return
+            call list_cut_cells(p, c, cells, err)
+            call for_each_cut_find_home(c%on_gpu, p%n, c%cell_of, cells%slot, cells%home, err)
+            call clear_list(c%on_gpu, cells%n + 2, cells%bin_ends, err)
+            call count_in_bins(c%on_gpu, p%n, cells%home, cells%bin_ends, err)
+            call running_sum(c%on_gpu, cells%bin_ends(2:), cells%n, err)
+            call put_in_bins(c%on_gpu, p%n, cells%home, cells%bin_ends, cells%binned, err)
+            call for_each_sort_bin(c%on_gpu, cells%n, p%id, cells%bin_ends, cells%binned, err)
+        end associate
+    end subroutine find_cut_cells
+
+    !> The list of the cells within `near` cells of a particle.
+    subroutine list_cut_cells(p, c, cells, err)
+        type(solid_t), intent(in) :: p !! particles
+        type(coupling_t), intent(inout) :: c
+        type(cut_cells_t), intent(inout) :: cells
+        type(error_t), intent(inout) :: err
+        integer :: chunks, d, n
+
+        if (cells%n > 0) call for_each_cut_set_slot(c%on_gpu, cells%n, cells%nodes, 0, cells%cell, &
+                                                    cells%slot, cells%place, err)
+        n = product(cells%nodes%n)
+        call clear_map(c%on_gpu, n, cells%mark, err)
+        call for_each_cut_mark(c%on_gpu, p%n, c%cell_of, cells%mark, err)
+        do d = 1, 3
+            call for_each_cut_widen(c%on_gpu, n, cells%nodes, d, cells%mark, cells%next_mark, err)
+            cells%mark = cells%next_mark
+        end do
+        chunks = (n - 1)/cells_of_a_chunk + 1
+        call at_least(c%on_gpu, c%start, chunks + 1, err)
+        call for_each_count_kind(c%on_gpu, chunks, n, 1, cells%mark, c%start, err)
+        call running_sum(c%on_gpu, c%start, chunks, err, cells%n)
+        call size_list(c%on_gpu, p%n, cells, err)
+        call for_each_list_kind(c%on_gpu, chunks, n, 1, cells%mark, c%start, cells%cell, err)
+        call for_each_cut_set_slot(c%on_gpu, cells%n, cells%nodes, 1, cells%cell, cells%slot, &
+                                   cells%place, err)
+        call for_each_cut_find_beside(c%on_gpu, cells%n, cells%nodes, cells%cell, cells%slot, &
+                                      cells%place, cells%beside, err)
+    end subroutine list_cut_cells
+
+    !> Room for what is kept per entry and per particle.
+    subroutine size_list(on_gpu, particles, cells, err)
+        logical, intent(in) :: on_gpu
+        integer, intent(in) :: particles
+        type(cut_cells_t), intent(inout) :: cells
+        type(error_t), intent(inout) :: err
+        integer :: n
+
+        n = cells%n
+        call at_least(on_gpu, cells%cell, n, err)
+        call at_least(on_gpu, cells%place, n, err)
+        call at_least(on_gpu, cells%beside, 6, n, err)
+        call at_least(on_gpu, cells%fill, n, err)
+        call at_least(on_gpu, cells%mass, n, err)
+        call at_least(on_gpu, cells%momentum, 3, n, err)
+        call at_least(on_gpu, cells%heaviest, n, err)
+        call at_least(on_gpu, cells%moment, 3, n, err)
+        call at_least(on_gpu, cells%carrier, n, err)
+        call at_least(on_gpu, cells%kept, max_var + 1, n, err)
+        call at_least(on_gpu, cells%distance, n, err)
+        call at_least(on_gpu, cells%thickness, n, err)
+        call at_least(on_gpu, cells%ball, n, err)
+        call at_least(on_gpu, cells%force, 3, n, err)
+        call at_least(on_gpu, cells%bearing, n, err)
+        call at_least(on_gpu, cells%gas, n, err)
+        call at_least(on_gpu, cells%shut, n, err)
+        call at_least(on_gpu, cells%aperture, 6, n, err)
+        call at_least(on_gpu, cells%middle, 3, n, err)
+        call at_least(on_gpu, cells%area, 3, n, err)
+        call at_least(on_gpu, cells%v, 3, n, err)
+        call at_least(on_gpu, cells%volume, n, err)
+        call at_least(on_gpu, cells%held, n, err)
+        call at_least(on_gpu, cells%swept, n, err)
+        call at_least(on_gpu, cells%master, n, err)
+        call at_least(on_gpu, cells%next_master, n, err)
+        call at_least(on_gpu, cells%ends, n + 2, err)
+        call at_least(on_gpu, cells%member, n, err)
+        call at_least(on_gpu, cells%rate, max_var, n, err)
+        call at_least(on_gpu, cells%push, 3, n, err)
+        call at_least(on_gpu, cells%impulse, 3, n, err)
+        call at_least(on_gpu, cells%bin_ends, n + 2, err)
+        call at_least(on_gpu, cells%home, particles, err)
+        call at_least(on_gpu, cells%binned, particles, err)
+        call at_least(on_gpu, cells%radius, particles, err)
+    end subroutine size_list
+
+    !> Shapes of the listed cells from the particles.
+    subroutine find_shapes(p, c, err)
+        type(solid_t), intent(in) :: p !! particles
+        type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
+
+        associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
+            call for_each_cut_fill_node(g, l%n, nodes, p%wide, l%cell, l%slot, l%bin_ends, &
+                l%binned, p%x, p%v, p%mass, p%volume, l%fill, l%mass, l%momentum, l%heaviest, err)
+            call for_each_cut_see_fill(g, p%n, nodes, p%wide, l%home, l%cell, l%slot, p%x, l%fill, &
+                                       l%radius, err)
+            call for_each_cut_find_thickest(g, l%n, l%bin_ends, l%binned, l%radius, l%thickness, &
+                                            err)
+            call for_each_cut_find_ball(g, p%n, nodes, l%home, l%cell, l%slot, p%volume, &
+                                        l%thickness, l%radius, err)
+            call for_each_cut_find_largest(g, l%n, l%bin_ends, l%binned, l%radius, l%ball, err)
+            call for_each_cut_find_distance(g, l%n, nodes, p%wide, l%cell, l%slot, l%bin_ends, &
+                l%binned, p%x, l%radius, l%ball, l%fill, l%distance, err)
+            call for_each_cut_shape(g, l%n, nodes, l%cell, l%place, l%slot, l%distance, l%gas, &
+                                    l%middle, l%shut, err)
+            call for_each_cut_find_bearing(g, l%n, nodes, l%cell, l%place, l%slot, l%mass, &
+                                           l%bearing, err)
+        end associate
+        call open_faces(c, 1, err)
+    end subroutine find_shapes
+
+    !> Open shares and wall areas of cells that are shut or not.
+    subroutine open_faces(c, seal, err)
+        type(coupling_t), intent(inout) :: c
+        integer, intent(in) :: seal !! 1: shut cells without an open face, 0: leave them
+        type(error_t), intent(inout) :: err
+
+        associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
+            call for_each_cut_open(g, l%n, nodes, l%cell, l%place, l%slot, l%beside, l%distance, &
+                                   l%shut, l%aperture, err)
+            call for_each_cut_close(g, l%n, seal, nodes, l%place, l%aperture, l%gas, l%shut, &
+                l%area, &
+                                    c%wall%solid, err)
+        end associate
+    end subroutine open_faces
+
+    !> Masters of all listed cells, and the members of their clusters.
+    subroutine find_clusters(c, err)
+        type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
+        integer :: m
+
+        associate (g => c%on_gpu, l => c%wall%cells)
+            call for_each_cut_weigh(g, l%n, l%gas, l%volume, l%held, err)
+            call for_each_cut_point(g, l%n, l%beside, l%aperture, l%held, l%master, err)
+            call follow_pointers(g, l, err)
+            do m = 1, adoptions
+                call for_each_cut_adopt(g, l%n, l%beside, l%aperture, l%held, l%master, &
+                    l%next_master, &
+                                        err)
+                call swap(l%master, l%next_master)
+                call follow_pointers(g, l, err)
+            end do
+        end associate
+        call list_members(c, err)
+    end subroutine find_clusters
+
+    !> Members of all clusters, from their masters.
+    subroutine list_members(c, err)
+        type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
+
+        associate (g => c%on_gpu, l => c%wall%cells)
+            call clear_list(g, l%n + 2, l%ends, err)
+            call count_in_bins(g, l%n, l%master, l%ends, err)
+            call running_sum(g, l%ends(2:), l%n, err)
+            call put_in_bins(g, l%n, l%master, l%ends, l%member, err)
+            if (g) call for_each_sort_bin(g, l%n, l%cell, l%ends, l%member, err)
+        end associate
+    end subroutine list_members
+
+    !> Follow the pointers to their end.
+    subroutine follow_pointers(on_gpu, cells, err)
+        logical, intent(in) :: on_gpu
+        type(cut_cells_t), intent(inout) :: cells
+        type(error_t), intent(inout) :: err
+        integer :: m
+
+        do m = 1, in_turn
+            call for_each_cut_follow(on_gpu, cells%n, cells%master, cells%next_master, err)
+            call swap(cells%master, cells%next_master)
+        end do
+    end subroutine follow_pointers
+
+    !> Volume of the gas at the start: what geometry leaves room for, none in pockets.
+    subroutine start_volumes(c, err)
+        type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
+        integer :: pockets, pass
+        integer, parameter :: most = 20 !! shutting a pocket may leave another
+
+        associate (g => c%on_gpu, l => c%wall%cells)
+            do pass = 1, most
+                l%volume(:l%n) = l%gas(:l%n)
+                call find_clusters(c, err)
+                pockets = 0
+                call for_each_cut_shut_pocket(g, l%n, l%place, l%master, l%ends, l%member, &
+                                              l%volume, l%gas, l%shut, pockets, err)
+                if (pockets == 0) exit
+                call open_faces(c, 0, err)
+            end do
+            l%v(:, :l%n) = 0
+            l%carrier(:l%n) = 0
+            l%kept(:, :l%n) = 0
+            l%swept(:l%n) = 0
+            l%impulse(:, :l%n) = 0
+        end associate
+    end subroutine start_volumes
+
+    !> Volumes and clusters as a checkpoint has them.
+    subroutine resume_volumes(c, err)
+        type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
+
+        associate (l => c%wall%cells, held => c%wall%cells%before, n => c%wall%cells%n)
+            l%resumes = .false.
+            if (held%n /= n) then
+                call raise(err, exit_deck, 'the checkpoint has other cut cells than its particles')
+                return
+            end if
+            l%volume(:n) = held%volume
+            l%kept(:, :n) = held%kept
+            l%shut(:n) = held%shut
+            l%master(:n) = held%master
+            where (l%shut(:n) /= 0) l%gas(:n) = 0
+            l%swept(:n) = 0
+            l%impulse(:, :n) = 0
+            call open_faces(c, 0, err)
+            call list_members(c, err)
+        end associate
+    end subroutine resume_volumes
+
+    !> One state for all cells of a cluster; shut cells hold gas at rest, which nobody reads.
+    subroutine mix_clusters(air, c, err)
+        type(air_t), intent(inout) :: air
+        type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
+
+        associate (l => c%wall%cells)
+            call for_each_cut_mean_state(c%on_gpu, l%n, l%nodes, air%rest, l%place, l%master, &
+                                         l%ends, l%member, l%volume, air%u, err)
+        end associate
+    end subroutine mix_clusters
+
+    !> Velocities of the walls: at the step, for how long it may be; with dt in the middle of it,
+    !> from what the gas does to rigid bodies, and what they sweep.
+    subroutine move_cut_walls(air, solid, c, dt, err)
+        type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: c
+        real(dp), intent(in) :: dt !! of the coming step of the air, 0: not known yet [s]
+        type(error_t), intent(inout) :: err
+
+        if (.not. dt > 0) then
+            call read_driven_bodies(solid, c%driven)
+            c%bodies = size(c%driven)
+        else
+            call push_carriers(air, solid, c, dt, err)
+        end if
+        associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
+            if (.not. dt > 0) call for_each_cut_find_carrier(g, l%n, nodes, c%bodies, c%driven, &
+                l%cell, l%slot, l%area, l%mass, l%heaviest, solid%fixed, l%carrier, err)
+            call for_each_cut_wall_velocity(g, l%n, nodes, c%bodies, c%driven, l%cell, l%slot, &
+                                            l%area, l%middle, l%mass, l%momentum, l%carrier, l%v, &
+                                            err)
+            if (.not. dt > 0) return
+            call for_each_cut_tame(g, l%n, nodes, real(dt, rk), l%place, l%shut, l%master, l%ends, &
+                                   l%member, l%volume, l%area, l%v, l%slowed, err)
+            call for_each_cut_sweep(g, l%n, nodes, real(dt, rk), l%shut, l%gas, l%volume, l%area, &
+                                    l%v, l%swept, err)
+        end associate
+    end subroutine move_cut_walls
+
+    !> Bring the bodies that carry particles to the middle of the coming step.
+    subroutine push_carriers(air, solid, c, dt, err)
+        type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: c
+        real(dp), intent(in) :: dt !! of the coming step of the air [s]
+        type(error_t), intent(inout) :: err
+        real(dp) :: push(n_push, size(c%driven))
+        integer :: b
+
+        if (all(c%driven%carries == carries_none)) return
+        push = 0
+        associate (l => c%wall%cells)
+            do b = 1, c%bodies
+                if (c%driven(b)%carries /= carries_all) cycle
+                call for_each_cut_sum_push(c%on_gpu, l%n, solid%ranks, b, l%nodes, air%scheme, &
+                    c%reference_pressure, c%driven(b), l%cell, l%place, l%shut, l%area, l%middle, &
+                    l%v, l%carrier, air%u, push(:, b), err)
+            end do
+        end associate
+        call foresee_driven_bodies(solid, push, dt, c%driven)
+    end subroutine push_carriers
+
+    !> Force and torque of the air on the bodies that carry particles.
+    subroutine load_cut_carriers(solid, c, load, err)
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: c
+        real(dp), intent(out) :: load(6, c%bodies) !! [N], [N m]
+        type(error_t), intent(inout) :: err
+        integer :: b
+
+        load = 0
+        associate (l => c%wall%cells)
+            do b = 1, size(solid%bodies)
+                if (c%driven(b)%carries == carries_none) cycle
+                associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)
+                    call for_each_cut_sum_load(c%on_gpu, last - first + 1, solid%ranks, first, &
+                        l%nodes, c%driven(b), solid%wide, solid%fixed, l%home, l%cell, l%slot, &
+                        solid%x, solid%mass, l%mass, l%force, l%moment, load(:, b), err)
+                end associate
+            end do
+        end associate
+    end subroutine load_cut_carriers
+
+    !> Loads of all particles from the impulses on the walls, and the diagnostics.
+    subroutine press_by_cut_cells(p, c, dt, err)
+        type(solid_t), intent(inout) :: p !! particles
+        type(coupling_t), intent(inout) :: c
+        real(dp), intent(in) :: dt !! step of the air [s]
+        type(error_t), intent(inout) :: err
+        real(dp) :: work(2), given(3), taken(3)
+
+        work = 0
+        given = 0
+        taken = 0
+        associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
+            call for_each_cut_record(g, l%n, dt, c%reference_pressure, l%area, l%v, l%impulse, &
+                                     work, given, taken, diag_at(c%device, diag_work), err)
+            call for_each_cut_bear(g, l%n, nodes, dt, c%reference_pressure, l%cell, l%slot, &
+                                   l%mass, l%bearing, l%area, l%middle, l%impulse, l%force, &
+                                   l%moment, err)
+            call for_each_cut_load_particle(g, p%n, nodes, p%wide, p%stride_d, p%stride_p, l%home, &
+                                            l%cell, l%slot, p%x, p%mass, l%mass, l%force, p%load, &
+                                            err)
+        end associate
+        c%diagnostics%work = c%diagnostics%work + work(1)
+        c%diagnostics%work_reference = c%diagnostics%work_reference + work(2)
+        c%diagnostics%impulse = c%diagnostics%impulse + given
+        c%diagnostics%impulse_reference = c%diagnostics%impulse_reference + taken
+    end subroutine press_by_cut_cells
+
+    !> Which bodies that sleep have a load beyond rounding on one of their particles.
+    subroutine feel_loads(solid, c, err)
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
+        real(rk) :: least
+        integer :: b
+
+        least = negligible*c%reference_pressure*minval(c%wall%cells%nodes%area, c%box%n > 1)
+        do b = 1, size(solid%bodies)
+            if (.not. solid%bodies(b)%inactive) cycle
+            associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)
+                call for_each_cut_feel(c%on_gpu, last - first + 1, first, solid%stride_d, &
+                                       solid%stride_p, least, solid%load, c%felt(b:), err)
+            end associate
+        end do
+    end subroutine feel_loads
+end module brz_cut_driver

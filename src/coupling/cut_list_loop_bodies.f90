@@ -1,0 +1,153 @@
+! SPDX-License-Identifier: MIT
+!> The list of cut cells: marks of the cells near particles, entries, their neighbours and the
+!> particles in them.
+module brz_cut_list_loop_bodies
+    use brz_air_grid, only: cell_at, number_of, place_of
+    use brz_cut_cells, only: near, node_grid_t
+    use brz_kinds, only: dp, int32, int8
+    use brz_particle_marks, only: is_gone
+    implicit none
+    private
+    public :: cut_cell_of, cut_mark, cut_widen, cut_set_slot, cut_find_beside, cut_find_home
+    public :: entry_at
+
+contains
+
+    !> Number of the cell of each particle in the grid of nodes. One beside the box, so near that it
+    !> reaches the nodes at the end, counts to the last cell.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_cell_of(p, nodes, wide, x, fixed, number, moved)
+        integer, intent(in) :: p !! particles
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: wide !! rows of x
+        real(dp), intent(in) :: x(wide, *) !! [m]
+        integer(int32), intent(in) :: fixed(*)
+        integer(int32), intent(inout) :: number(*) !! 0: outside
+        integer, intent(inout) :: moved !@count particles that have changed their cell
+        integer(int32) :: c
+        integer :: d, ijk(3)
+        logical :: near_box
+        real(dp) :: s
+
+        near_box = fixed(p) /= is_gone
+        do d = 1, 3
+            ijk(d) = 1
+            if (nodes%n(d) == 1) cycle
+            s = (x(d, p) - nodes%lo(d))/nodes%dx(d)
+            near_box = near_box .and. s > -1 .and. s < nodes%cells(d) + 1
+            if (near_box) ijk(d) = max(1, min(nodes%cells(d), floor(s) + 1))
+        end do
+        c = 0
+        if (near_box) c = number_of(nodes%n, ijk)
+        if (c /= number(p)) moved = moved + 1
+        number(p) = c
+    end subroutine cut_cell_of
+
+    !> Mark the cells of the particles; all that lie in a cell write the same.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_mark(p, number, mark)
+        integer, intent(in) :: p !! particles
+        integer(int32), intent(in) :: number(*) !! 0: outside
+        integer(int8), intent(inout) :: mark(*)
+
+        if (number(p) > 0) mark(number(p)) = 1_int8
+    end subroutine cut_mark
+
+    !> Mark what lies within `near` cells of a mark along a direction.
+    !@loop_body if(n >= worth_threads) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine cut_widen(c, nodes, d, from, to)
+        integer, intent(in) :: c !! nodes
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: d !! direction
+        integer(int8), intent(in) :: from(*)
+        integer(int8), intent(inout) :: to(*)
+        integer :: i, ijk(3), m, step
+
+        to(c) = from(c)
+        if (nodes%n(d) == 1) return
+        ijk = cell_at(nodes%n, c)
+        step = 1
+        do i = 2, d
+            step = step*nodes%n(i - 1)
+        end do
+        do m = -near, near
+            if (ijk(d) + m < 1 .or. ijk(d) + m > nodes%n(d)) cycle
+            if (from(c + m*step) /= 0) to(c) = 1_int8
+        end do
+    end subroutine cut_widen
+
+    !> Enter a listed cell in the map, with its place among the cells of the air; or take it out.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_set_slot(s, nodes, is, cell, slot, place)
+        integer, intent(in) :: s !! entries
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: is !! 1: enter it, 0: take it out
+        integer(int32), intent(in) :: cell(*)
+        integer(int32), intent(inout) :: slot(*), place(*)
+        integer :: d, ijk(3)
+        logical :: inside
+
+        slot(cell(s)) = is*s
+        ijk = cell_at(nodes%n, cell(s))
+        inside = .true.
+        do d = 1, 3
+            inside = inside .and. ijk(d) <= nodes%cells(d)
+        end do
+        place(s) = 0
+        if (inside) place(s) = int(place_of(nodes%grid, ijk(1), ijk(2), ijk(3)), int32)
+    end subroutine cut_set_slot
+
+    !> Entry at a node of the grid; 0 where it is not listed.
+    !@cuf attributes(host,device) &
+    pure function entry_at(nodes, i, j, k, slot) result(s)
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: i, j, k
+        integer(int32), intent(in) :: slot(*)
+        integer :: s
+
+        s = 0
+        if (i < 1 .or. j < 1 .or. k < 1) return
+        if (i > nodes%n(1) .or. j > nodes%n(2) .or. k > nodes%n(3)) return
+        s = slot(i + nodes%n(1)*((j - 1) + nodes%n(2)*(k - 1)))
+    end function entry_at
+
+    !> Find the entries across the faces of a cell.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_find_beside(s, nodes, cell, slot, place, beside)
+        integer, intent(in) :: s !! entries
+        type(node_grid_t), intent(in) :: nodes
+        integer(int32), intent(in) :: cell(*), slot(*), place(*)
+        integer(int32), intent(inout) :: beside(6, *) !! 0: none that is listed
+        integer :: d, ijk(3), side, to(3)
+
+        ijk = cell_at(nodes%n, cell(s))
+        do d = 1, 3
+            do side = 0, 1
+                beside(2*d - 1 + side, s) = 0
+                if (nodes%n(d) == 1 .or. place(s) == 0) cycle
+                to = ijk
+                to(d) = ijk(d) + 2*side - 1
+                if (to(d) < 1 .or. to(d) > nodes%cells(d)) cycle
+                beside(2*d - 1 + side, s) = entry_at(nodes, to(1), to(2), to(3), slot)
+            end do
+        end do
+    end subroutine cut_find_beside
+
+    !> Entry of the cell of a particle.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_find_home(p, number, slot, home)
+        integer, intent(in) :: p !! particles
+        integer(int32), intent(in) :: number(*) !! of its cell, 0: outside
+        integer(int32), intent(in) :: slot(*)
+        integer(int32), intent(inout) :: home(*)
+
+        home(p) = 0
+        if (number(p) > 0) home(p) = slot(number(p))
+    end subroutine cut_find_home
+end module brz_cut_list_loop_bodies

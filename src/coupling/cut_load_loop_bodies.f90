@@ -1,0 +1,189 @@
+! SPDX-License-Identifier: MIT
+!> Loads by cut cells: a cell hands the force on its wall to its nodes in shares of the mass of the
+!> particles there, a node to its particles likewise. Both are gathers, and nothing is lost.
+module brz_cut_load_loop_bodies
+    use brz_air_grid, only: cell_at
+    use brz_cut_cells, only: node_grid_t
+    use brz_cut_list_loop_bodies, only: entry_at
+    use brz_cut_node_loop_bodies, only: tent
+    use brz_kinds, only: dp, int32, rk
+    implicit none
+    private
+    public :: cut_find_bearing, cut_bear, cut_load_particle, cut_record, cut_feel
+
+contains
+
+    !> Mass of the nodes that bear the load of a cell: its own or, where these are bare, those
+    !> around it, with the opposite sign.
+    !@loop_body if(27*n >= worth_threads) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine cut_find_bearing(s, nodes, cell, place, slot, mass, bearing)
+        integer, intent(in) :: s !! entries
+        type(node_grid_t), intent(in) :: nodes
+        integer(int32), intent(in) :: cell(*), place(*), slot(*)
+        real(dp), intent(in) :: mass(*) !! of the nodes [kg]
+        real(dp), intent(inout) :: bearing(*)
+        real(dp) :: around
+        integer :: d, high(3), i, ijk(3), j, k, low(3), node, wide
+
+        bearing(s) = 0
+        if (place(s) == 0) return
+        ijk = cell_at(nodes%n, cell(s))
+        do wide = 0, 1
+            do d = 1, 3
+                low(d) = merge(ijk(d) - wide, 1, nodes%n(d) > 1)
+                high(d) = merge(ijk(d) + 1 + wide, 1, nodes%n(d) > 1)
+            end do
+            around = 0
+            do k = low(3), high(3)
+                do j = low(2), high(2)
+                    do i = low(1), high(1)
+                        node = entry_at(nodes, i, j, k, slot)
+                        if (node > 0) around = around + mass(node)
+                    end do
+                end do
+            end do
+            bearing(s) = around*(1 - 2*wide)
+            if (around > 0) return
+        end do
+    end subroutine cut_find_bearing
+
+    !> Force and torque on a node: its shares of those on the walls of the cells around.
+    !@loop_body if(27*n >= worth_threads) schedule(dynamic, 64)
+    !@cuf attributes(host,device) &
+    pure subroutine cut_bear(s, nodes, dt, reference, cell, slot, mass, bearing, area, middle, &
+                             impulse, force, moment)
+        integer, intent(in) :: s !! entries
+        type(node_grid_t), intent(in) :: nodes
+        real(dp), intent(in) :: dt !! step of the air [s]
+        real(rk), intent(in) :: reference !! pressure that is taken off [Pa]
+        integer(int32), intent(in) :: cell(*), slot(*)
+        real(dp), intent(in) :: mass(*), bearing(*)
+        real(rk), intent(in) :: area(3, *), middle(3, *), impulse(3, *)
+        real(dp), intent(inout) :: force(3, *) !! [N]
+        real(dp), intent(inout) :: moment(3, *) !! about the low corner of the grid [N m]
+        real(dp) :: arm(3), push(3), share
+        integer :: at(3), b, d, high(3), i, ijk(3), j, k, low(3)
+        logical :: own
+
+        do d = 1, 3
+            force(d, s) = 0
+            moment(d, s) = 0
+        end do
+        if (.not. mass(s) > 0) return
+        ijk = cell_at(nodes%n, cell(s))
+        do d = 1, 3
+            low(d) = merge(ijk(d) - 2, 1, nodes%n(d) > 1)
+            high(d) = merge(ijk(d) + 1, 1, nodes%n(d) > 1)
+        end do
+        do k = low(3), high(3)
+            do j = low(2), high(2)
+                do i = low(1), high(1)
+                    b = entry_at(nodes, i, j, k, slot)
+                    if (b == 0) cycle
+                    if (abs(impulse(1, b)) + abs(impulse(2, b)) + abs(impulse(3, b)) <= 0) cycle
+                    at(1) = i
+                    at(2) = j
+                    at(3) = k
+                    own = .true.
+                    do d = 1, 3
+                        if (nodes%n(d) > 1) own = own .and. at(d) >= ijk(d) - 1 &
+                            .and. at(d) <= ijk(d)
+                    end do
+                    share = 0
+                    if (bearing(b) > 0 .and. own) share = mass(s)/bearing(b)
+                    if (bearing(b) < 0) share = -mass(s)/bearing(b)
+                    do d = 1, 3
+                        push(d) = share*(impulse(d, b)/dt - reference*area(d, b))
+                        arm(d) = (at(d) - 1 + middle(d, b))*nodes%dx(d)
+                        force(d, s) = force(d, s) + push(d)
+                    end do
+                    moment(1, s) = moment(1, s) + (arm(2)*push(3) - arm(3)*push(2))
+                    moment(2, s) = moment(2, s) + (arm(3)*push(1) - arm(1)*push(3))
+                    moment(3, s) = moment(3, s) + (arm(1)*push(2) - arm(2)*push(1))
+                end do
+            end do
+        end do
+    end subroutine cut_bear
+
+    !> Load of a particle: its shares of the forces on the nodes of its cell.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_load_particle(p, nodes, wide, stride_d, stride_p, home, cell, slot, x, &
+                                      mass, node_mass, force, load)
+        integer, intent(in) :: p !! particles
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: wide !! rows of x
+        integer, intent(in) :: stride_d, stride_p !! distances in `load` of directions, of particles
+        integer(int32), intent(in) :: home(*), cell(*), slot(*)
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: mass(*)
+        real(dp), intent(in) :: node_mass(*), force(3, *)
+        real(rk), intent(inout) :: load(*) !! [N]
+        real(dp) :: share, sums(3), y(3)
+        integer :: at(3), c, d, ijk(3), s
+
+        do d = 1, 3
+            sums(d) = 0
+            y(d) = x(d, p)
+        end do
+        if (home(p) > 0) then
+            ijk = cell_at(nodes%n, cell(home(p)))
+            do c = 0, 7
+                do d = 1, 3
+                    at(d) = ijk(d) + iand(ishft(c, 1 - d), 1)
+                end do
+                s = entry_at(nodes, at(1), at(2), at(3), slot)
+                if (s == 0) cycle
+                if (.not. node_mass(s) > 0) cycle
+                share = mass(p)*tent(nodes, at, y)/node_mass(s)
+                do d = 1, 3
+                    sums(d) = sums(d) + share*force(d, s)
+                end do
+            end do
+        end if
+        do d = 1, 3
+            load(1 + (d - 1)*stride_d + (p - 1)*stride_p) = real(sums(d), rk)
+        end do
+    end subroutine cut_load_particle
+
+    !> Add the wall of a cell to the diagnostics.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_record(s, dt, reference, area, v, impulse, work, given, taken)
+        integer, intent(in) :: s !! entries
+        real(dp), intent(in) :: dt !! step of the air [s]
+        real(rk), intent(in) :: reference !! pressure that is taken off [Pa]
+        real(rk), intent(in) :: area(3, *), v(3, *), impulse(3, *)
+        real(dp), intent(inout) :: work(2) !@sum of all pressure, of the reference pressure [J]
+        real(dp), intent(inout) :: given(3) !@sum of impulses given to the solid [N s]
+        real(dp), intent(inout) :: taken(3) !@sum of what was taken off [N s]
+        real(dp) :: off
+        integer :: d
+
+        do d = 1, 3
+            off = reference*real(area(d, s), dp)*dt
+            work(1) = work(1) + impulse(d, s)*real(v(d, s), dp)
+            work(2) = work(2) + off*v(d, s)
+            given(d) = given(d) + (impulse(d, s) - off)
+            taken(d) = taken(d) + off
+        end do
+    end subroutine cut_record
+
+    !> felt = 1 where a particle of a body has a load beyond rounding.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_feel(t, first, stride_d, stride_p, negligible, load, felt)
+        integer, intent(in) :: t !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: stride_d, stride_p !! distances in `load` of directions, of particles
+        real(rk), intent(in) :: negligible !! force that counts as none [N]
+        real(rk), intent(in) :: load(*)
+        integer(int32), intent(inout) :: felt(*)
+        integer :: d
+
+        do d = 1, 3
+            if (abs(load(1 + (d - 1)*stride_d + (first + t - 2)*stride_p)) > negligible) felt(1) = 1
+        end do
+    end subroutine cut_feel
+end module brz_cut_load_loop_bodies
