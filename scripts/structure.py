@@ -16,7 +16,8 @@ Twins have one name: what src/cpu does in x.f90, src/gpu does in gpu_x.f90 or cu
 and a file gpu_x.f90 is the twin of an x.f90; ALONE names what one backend has alone. Also: the
 licence line, the module name, `use` with `only`; no name of a type stands for two. Files and
 functions in Python, C and shell obey the sizes, too, and so do the Makefile, its recipes and other
-files of code. Lines of *.md files have at most 120 columns, rows of tables excepted.
+files of code. Lines of *.md files have at most 120 columns, rows of tables excepted. The state of the
+solids is built in layers; USERS says how many files of src and tests may use each.
 """
 
 import ast
@@ -53,6 +54,8 @@ ALONE = {"cpu": "air_activity air_lines air_riemann air_split air_sweep coupling
 ALONE["cpu"] += " solid_artificial solid_gradient_sums solid_lanes solid_pair_sums solid_tilts"
 ALONE["gpu"] = "common peers solid_bodies solid_copy solid_layout solid_lists"
 ALONE["gpu"] += " solid_load"
+# a field of a layer concerns all that use it, so those who need less of the state take less
+USERS = {"solid_state": 59, "interacting_bodies": 59, "listed_bodies": 69, "bodies": 79}
 LICENCE = "SPDX-License-Identifier: MIT"
 
 USE = re.compile(r"^\s*use\b\s*(?:,\s*\w+\s*::\s*|::\s*|\s)(\w+)\s*(.*)$", re.I)
@@ -209,6 +212,18 @@ def lone_twins(root):
             yield f"scripts/structure.py: {name} is not alone in src/{backend}"
 
 
+def common_state(sources):
+    """Modules that more files of src and tests use than USERS allows."""
+    for name, most in USERS.items():
+        users = [s for s in sources if f"brz_{name}" in s.uses and s.name.parts[0] != "studies"]
+        if len(users) > most:
+            yield (
+                f"{users[-1].name}:{users[-1].uses[f'brz_{name}']}: {len(users)} files use "
+                f"brz_{name}; at most {most}: take a layer below it (docs/extending.md, The state "
+                "of the solids), or the components that are needed"
+            )
+
+
 def homonyms(sources):
     """Names of types that stand for two things."""
     first = {}
@@ -276,7 +291,7 @@ def main():
             source.check_layers(owner)
     faults = [fault for source in sources for fault in source.faults]
     faults += [*long_prose(root), *long_python(root), *long_others(root), *lone_twins(root)]
-    faults += [*homonyms(sources), *wrong_rooms(sources)]
+    faults += [*homonyms(sources), *wrong_rooms(sources), *common_state(sources)]
     for path in sorted((root / "scripts").glob("*")) + sorted(root.glob("post/**/*.py")):
         if path.suffix in (".py", ".sh"):
             head = path.read_text(encoding="utf-8").splitlines()[:2]

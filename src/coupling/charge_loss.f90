@@ -10,7 +10,8 @@ module brz_charge_loss
     use brz_exact_sum, only: exact_sum
     use brz_kinds, only: dp, real32
     use brz_ranks, only: several
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
     use brz_text, only: to_text
     implicit none
     private
@@ -26,7 +27,7 @@ contains
     subroutine weigh_loss(case, air, solid, coupling, err)
         type(case_t), intent(in) :: case
         type(air_t), intent(inout) :: air !! its walls are up
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(in) :: coupling
         type(error_t), intent(inout) :: err
         integer :: m
@@ -47,8 +48,8 @@ contains
         type(case_t), intent(in) :: case
         integer, intent(in) :: m
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(in) :: solid !! bodies
-        type(solid_t), intent(in) :: p !! particles that are sorted into the cells
+        class(bodies_t), intent(in) :: solid !! bodies
+        class(particles_t), intent(in) :: p !! particles that are sorted into the cells
         type(coupling_t), intent(in) :: coupling
         type(error_t), intent(inout) :: err
         type(charge_shape_t) :: shape

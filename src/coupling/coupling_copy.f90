@@ -21,7 +21,8 @@ module brz_coupling_copy
     use brz_ranks, only: reduce_errors, several
     use brz_shared_driver, only: put_halos
     use brz_snapshots, only: snapshot_t
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_tallies, only: tally_threads
     use brz_wall_driver, only: find_mean_velocity
     implicit none
@@ -35,7 +36,7 @@ contains
     !> stores are in the air.
     subroutine open_gpu_coupling(air, solid, c, err)
         type(air_t), intent(inout) :: air !! on the GPU, opened with walls
-        type(solid_t), intent(inout) :: solid !! on the GPU; read
+        class(listed_bodies_t), intent(inout) :: solid !! on the GPU; read
         type(coupling_t), intent(inout) :: c !! set up on the host
         type(error_t), intent(inout) :: err
 
@@ -59,7 +60,7 @@ contains
 
     !> Copies of what does not grow.
     subroutine enter_coupling(solid, c, err)
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
@@ -84,7 +85,7 @@ contains
     !> Walls and bins from none.
     subroutine begin_walls(air, p, c, err)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(in) :: p !! particles
+        class(particles_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 

@@ -9,7 +9,8 @@ module brz_coupling_driver
         release_deferred_sources
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int32, rk
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
     use brz_wall_driver, only: find_wall_pressure, find_mean_velocity, find_wall_velocities, &
         weigh_columns
     implicit none
@@ -21,8 +22,8 @@ contains
     !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
     !> carries them, else as it is kept, half a step before.
     subroutine move_walls(solid, p, c, err)
-        type(solid_t), intent(in) :: solid !! its bodies
-        type(solid_t), intent(in) :: p
+        class(bodies_t), intent(in) :: solid !! its bodies
+        class(bodies_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
@@ -34,8 +35,8 @@ contains
     !> ago is a column of v_before. Walls and driven bodies are as move_walls left them.
     subroutine find_velocities(air, solid, p, c, dt, v_before, column, err)
         type(air_t), intent(in) :: air
-        type(solid_t), intent(in) :: solid
-        type(solid_t), intent(in) :: p
+        class(bodies_t), intent(in) :: solid
+        class(particles_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
         real(rk), intent(in) :: v_before(:, :) !! [m/s]
@@ -52,8 +53,8 @@ contains
     !> long it is, depend on these alone, so that a restart finds the same.
     subroutine settle_cell_stores(air, solid, p, c, err)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(in) :: solid
-        type(solid_t), intent(in) :: p
+        class(bodies_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 

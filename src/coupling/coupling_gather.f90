@@ -12,7 +12,7 @@ module brz_coupling_gather
         take_numbers, tell_counts
     use brz_ranks, only: ranks_t
     use brz_row_order, only: order_rows
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
     implicit none
     private
     public :: gather_coupling, keep_before, begin_sharing, share_coupling
@@ -36,7 +36,7 @@ contains
 
     !> Velocities before the last step, of all particles.
     subroutine keep_before(whole, all)
-        type(solid_t), intent(in) :: whole !! all particles, in the first process
+        class(particles_t), intent(in) :: whole !! all particles, in the first process
         type(coupling_t), intent(inout) :: all
         integer :: i
 
@@ -91,7 +91,7 @@ contains
     !> Room for what a checkpoint holds of the coupling, while every process has all particles.
     subroutine begin_sharing(coupling, solid, all)
         type(coupling_t), intent(in) :: coupling
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: all
 
         all%present = coupling%present
@@ -103,7 +103,7 @@ contains
     !> diagnostics.
     subroutine share_coupling(all, solid, coupling)
         type(coupling_t), intent(in) :: all
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: coupling
         type(error_t) :: none
         integer :: e, i, ijk(3)

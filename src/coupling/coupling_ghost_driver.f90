@@ -17,7 +17,9 @@ module brz_coupling_ghost_driver
     use brz_record_rules, only: words_of_real
     use brz_rows, only: rows_of, rows_t
     use brz_send_lists, only: count_marks, list_marks, place_pieces, reserve_marks
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_velocity_loops, only: for_each_keep_velocity
     implicit none
     private
@@ -28,7 +30,7 @@ contains
     !> Renew the ghosts of all processes: their particles have moved. They are listed anew where one
     !> of them is missing, or particles lie elsewhere.
     subroutine renew_coupling_ghosts(solid, c, err)
-        type(solid_t), intent(inout) :: solid !! read
+        class(listed_bodies_t), intent(inout) :: solid !! read
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         integer(int64) :: most(1)
@@ -63,15 +65,15 @@ contains
 
     !> How often particles have got other places.
     pure integer(int64) function times_laid(solid)
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
 
         times_laid = solid%rebuilds
-        if (solid%on_gpu) times_laid = solid%device%laid
+        if (solid%on_gpu) times_laid = solid%laid
     end function times_laid
 
     !> List the particles in the halos and a layer around, and give them places there.
     subroutine list_coupling_ghosts(solid, c, err)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         integer(int64), dimension(size(solid%bodies), c%ranks%n) :: out, in
@@ -166,7 +168,7 @@ contains
     !> Give every particle the load that the process found in whose cell it is; none outside. Those
     !> in the halo of their own process have what this found, unless another one says better.
     subroutine send_loads_to_owners(solid, c, err)
-        type(solid_t), intent(inout), target :: solid
+        class(particles_t), intent(inout), target :: solid
         type(coupling_t), intent(inout), target :: c
         type(error_t), intent(inout) :: err
         integer, parameter :: w = words_of_real

@@ -10,7 +10,8 @@ module brz_coupling_ghosts
     use brz_kinds, only: int64
     use brz_record_rules, only: w => words_of_real
     use brz_rows, only: rows_of, rows_t
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
     implicit none
     private
     public :: open_halos, find_runs, send_coupling_ghosts
@@ -24,7 +25,7 @@ contains
     !> The cells that each process sees. No ghosts are there yet, but the bodies are known.
     subroutine open_halos(air, solid, coupling)
         type(air_t), intent(in) :: air
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
         integer :: r
 
@@ -49,7 +50,7 @@ contains
     !> Where the particles lie that a process has for itself, if these are all of a few bodies: a
     !> GPU copies them as they lie.
     subroutine find_runs(solid, out, in, c, err)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer(int64), intent(in) :: out(:, :), in(:, :) !! (bodies, processes) that go, and come
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(in) :: err
@@ -81,7 +82,7 @@ contains
 
     !> Send what the copies have of their particles.
     subroutine send_coupling_ghosts(solid, c, all_of_it, err)
-        type(solid_t), intent(in), target :: solid
+        class(particles_t), intent(in), target :: solid
         type(coupling_t), intent(inout), target :: c
         logical, intent(in) :: all_of_it !! else what changes in a step
         type(error_t), intent(inout) :: err
@@ -100,7 +101,7 @@ contains
     !> volumes.
     subroutine list_rows(on_gpu, p, v_before, rows)
         logical, intent(in) :: on_gpu
-        type(solid_t), intent(in), target :: p
+        class(particles_t), intent(in), target :: p
         type(rows_t), intent(in) :: v_before
         type(rows_t), intent(out) :: rows(n_known + 1)
 

@@ -11,7 +11,8 @@ module brz_coupling_part
     use brz_kinds, only: dp, int32, int64, rk
     use brz_message_buffers, only: courier_t
     use brz_places, only: marks_t, message_buffers_t
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
     public :: coupling_part_t, listing_t, introduce, list_now, may_have_come
@@ -49,8 +50,8 @@ contains
 
     !> What the coupling must know of the bodies as a whole.
     subroutine introduce(solid, copies)
-        class(solid_t), intent(in) :: solid
-        type(solid_t), intent(inout) :: copies
+        class(bodies_t), intent(in) :: solid
+        class(bodies_t), intent(inout) :: copies
         integer :: b
 
         copies%time = solid%time
@@ -62,7 +63,7 @@ contains
 
     !> Ghosts are listed for the bodies of now.
     pure subroutine list_now(solid, since)
-        class(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(listing_t), intent(inout) :: since
         integer :: b
 
@@ -75,7 +76,7 @@ contains
     !> ghosts were listed: all lists of neighbours are those of then, so each has moved within its
     !> body by half a skin at most before, and now. All processes find the same.
     pure logical function may_have_come(solid, since, whole, dx) result(may)
-        class(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(listing_t), intent(in) :: since
         integer, intent(in) :: whole(3) !! cells of the grid
         real(dp), intent(in) :: dx(3) !! sides of a cell [m]

@@ -27,7 +27,9 @@ module brz_coupling_setup
     use brz_positivity, only: floors_of
     use brz_ranks, only: several
     use brz_shared_driver, only: put_halos
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
     public :: set_up_coupling, couple, restart_coupling, make_box, empty_part
@@ -38,7 +40,7 @@ contains
     subroutine set_up_coupling(case, air, solid, coupling, err)
         type(case_t), intent(in) :: case
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         type(coupling_t), intent(out) :: coupling
         type(error_t), intent(inout) :: err
 
@@ -60,7 +62,7 @@ contains
     !> Put the walls up where the particles are. What gas was there is taken out.
     subroutine couple(air, solid, spread, reference_pressure, coupling, cut)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(inout) :: solid !! read
+        class(listed_bodies_t), intent(inout) :: solid !! read
         real(rk), intent(in) :: spread !! depth over which a load is spread, in air cells
         real(rk), intent(in) :: reference_pressure !! taken off every load [Pa]
         type(coupling_t), intent(out) :: coupling
@@ -141,7 +143,7 @@ contains
     !> Take out of the surface cells what gas the particles leave no room for, all of the others.
     subroutine empty_walls(air, solid, coupling)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(coupling_t), intent(in) :: coupling
         integer :: c, ijk(3)
 
@@ -188,7 +190,7 @@ contains
     !> The lattices of bodies under the faces of the air.
     subroutine lay_layers(box, solid)
         type(box_t), intent(in) :: box
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         real(dp) :: per_cell(3)
         integer :: b, d, k
 
@@ -231,7 +233,7 @@ contains
     !> lack, all the way, what was there at the start.
     pure real(rk) function empty_part(air, solid, coupling, c)
         type(air_t), intent(in) :: air
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(coupling_t), intent(in) :: coupling
         integer, intent(in) :: c !! place in the wall list
         real(dp) :: full
@@ -250,7 +252,7 @@ contains
     !> say.
     subroutine restart_coupling(air, solid, coupling)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(inout) :: solid !! read
+        class(listed_bodies_t), intent(inout) :: solid !! read
         type(coupling_t), intent(inout) :: coupling
         type(error_t) :: none
 
@@ -285,8 +287,8 @@ contains
 
     subroutine begin_walls(air, solid, p, coupling)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(in) :: solid !! bodies
-        type(solid_t), intent(in) :: p !! particles
+        class(bodies_t), intent(in) :: solid !! bodies
+        class(bodies_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: coupling
         type(error_t) :: none
 

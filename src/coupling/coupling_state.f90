@@ -9,6 +9,7 @@
 module brz_coupling_state
     use brz_air_state, only: wall_t
     use brz_driven_body_rules, only: driven_body_t
+    use brz_bodies, only: bodies_t
     use brz_cell_shells, only: shells_t
     use brz_column_rules, only: side_of
     use brz_coupling_box, only: box_t
@@ -16,7 +17,6 @@ module brz_coupling_state
     use brz_coupling_part, only: coupling_part_t
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_ranks, only: ranks_t
-    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: coupling_t, coupling_diagnostics_t, side_of, sums_in, put_sums
@@ -62,8 +62,8 @@ module brz_coupling_state
         integer(int8), allocatable :: mark(:, :, :) !! (cells of the box) map being built; then the
                                                     !! donors
         ! several processes: what this one sees of the bodies, and what it has to do with others
-        type(solid_t), allocatable :: ghosts !! copies of the particles near the cells of the box
-        type(solid_t) :: ghost_bodies !! their bodies
+        type(bodies_t), allocatable :: ghosts !! copies of the particles near the cells of the box
+        type(bodies_t) :: ghost_bodies !! their bodies
         type(coupling_part_t) :: part
         ! particles by air cell
         integer(int32), allocatable :: cell_of(:) !! (particles) number of the air cell, 0: outside

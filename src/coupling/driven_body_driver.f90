@@ -11,7 +11,8 @@ module brz_driven_body_driver
     use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp, int64
     use brz_ranks, only: several
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
     implicit none
     private
     public :: see_driven_bodies, sum_shifts, move_driven_bodies, sum_loads
@@ -20,8 +21,8 @@ contains
 
     !> Motion of the bodies at the step. A rigid body turns about the middle of its cells.
     subroutine see_driven_bodies(solid, p, c, err)
-        type(solid_t), intent(in) :: solid !! its bodies
-        type(solid_t), intent(in) :: p !! particles
+        class(bodies_t), intent(in) :: solid !! its bodies
+        class(bodies_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         integer :: b
@@ -48,8 +49,8 @@ contains
     !> Where the middles of the cells are, against the particles of rigid bodies. On several
     !> processes of the particles that each steps.
     subroutine sum_shifts(solid, p, c, err)
-        type(solid_t), intent(in) :: solid
-        type(solid_t), intent(in) :: p
+        class(bodies_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         integer :: b
@@ -68,8 +69,8 @@ contains
     !> Bring the bodies that carry particles to the middle of the coming step, from what the gas
     !> does to each rigid one if that keeps its motion.
     subroutine move_driven_bodies(solid, p, c, dt, err)
-        type(solid_t), intent(in) :: solid
-        type(solid_t), intent(in) :: p
+        class(bodies_t), intent(in) :: solid
+        class(particles_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! of the air [s]
         type(error_t), intent(inout) :: err
@@ -93,7 +94,7 @@ contains
 
     !> Force and torque of the air on the bodies that carry particles, from the loads of these.
     subroutine sum_loads(solid, c, load, err)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: c
         real(dp), intent(out) :: load(6, c%bodies) !! [N], [N m]
         type(error_t), intent(inout) :: err

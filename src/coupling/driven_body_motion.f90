@@ -11,7 +11,7 @@ module brz_driven_body_motion
     use brz_motion, only: mean_velocity, velocity_of
     use brz_rigid, only: attitude, spin_of, turn
     use brz_rigid_body, only: rigid_t
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     implicit none
     private
     public :: read_driven_bodies, foresee_driven_bodies
@@ -21,7 +21,7 @@ contains
     !> Motion of the bodies at the step: with the load up to it, and with what else acts on them
     !> half a step of theirs before, for that is the velocity that the load works on.
     subroutine read_driven_bodies(solid, driven)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(driven_body_t), allocatable, intent(inout) :: driven(:) !! one for each body
         integer :: b
 
@@ -46,7 +46,7 @@ contains
 
     !> Which bodies carry particles, and which.
     subroutine number_driven_bodies(solid, driven)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(driven_body_t), allocatable, intent(out) :: driven(:)
         integer :: b
 
@@ -68,7 +68,7 @@ contains
 
     !> Motion of the bodies in the middle of the coming step of the air, from that at its start.
     pure subroutine foresee_driven_bodies(solid, push, dt, driven)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         real(dp), intent(in) :: push(:, :) !! (n_push, bodies) of the gas, see add_push
         real(dp), intent(in) :: dt !! [s]
         type(driven_body_t), intent(inout) :: driven(:)

@@ -18,7 +18,8 @@ module brz_exchange_driver
     use brz_ranks, only: several, sum_of_all
     use brz_shared_driver, only: share_deferred_sources, share_impulses
     use brz_solid_sleep, only: wake_met
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_velocity_loops, only: for_each_keep_velocity
     use brz_wall_driver, only: keep_velocities, press_bodies, stress_faces
     implicit none
@@ -31,7 +32,7 @@ contains
     !> cells. On several processes `crowd` has the bodies of the ghosts.
     subroutine set_wall_velocity(air, solid, c, dt, err)
         type(air_t), intent(in) :: air
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
         type(error_t), intent(inout) :: err !! exit_device where a GPU fails, as everywhere here
@@ -55,7 +56,7 @@ contains
     !> The forces of a face add up to its impulse over dt. The columns are those of
     !> set_wall_velocity, before the step of the air.
     subroutine spread_load(solid, c, dt, err)
-        type(solid_t), intent(inout) :: solid !! its rigid bodies get their loads
+        class(bodies_t), intent(inout) :: solid !! its rigid bodies get their loads
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
         type(error_t), intent(inout) :: err
@@ -79,7 +80,7 @@ contains
 
     !> Force and torque of the air on the bodies that carry particles.
     subroutine load_carriers(solid, c, err)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         real(dp) :: load(6, c%bodies)
@@ -99,7 +100,7 @@ contains
     !> Wake the bodies with a load beyond rounding on one of their particles, and what they meet.
     !> After spread_load.
     subroutine wake_loaded(solid, c, dt, err)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! step over which the impulses were added up [s]
         type(error_t), intent(inout) :: err
@@ -119,8 +120,8 @@ contains
 
     !> Which bodies that sleep have a load on one of the particles in cells of this process.
     subroutine take_wall_tractions(solid, p, c, dt, felt, err)
-        type(solid_t), intent(in) :: solid !! its bodies
-        type(solid_t), intent(in) :: p !! particles
+        class(bodies_t), intent(in) :: solid !! its bodies
+        class(bodies_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! [s]
         integer, intent(out) :: felt(size(solid%bodies)) !! 1: yes
@@ -146,7 +147,7 @@ contains
     !> Mass, momentum and energy of gas, cell stores and deferred sources together do not change.
     subroutine reclassify(air, solid, c, err)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(inout) :: solid !! read
+        class(listed_bodies_t), intent(inout) :: solid !! read
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 

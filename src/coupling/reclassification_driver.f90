@@ -24,7 +24,8 @@ module brz_reclassification_driver
     use brz_ranks, only: several
     use brz_scheme, only: max_var
     use brz_shared_driver, only: list_shared_faces
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
     use brz_wall_loop_bodies, only: images_along
     use brz_wall_loops, only: for_each_count_faces, for_each_image_wall, for_each_list_faces, &
         for_each_set_wall
@@ -37,7 +38,7 @@ contains
     !> Walls and bins as the particles say.
     subroutine put_up_walls(air, p, c, err)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(in) :: p !! particles
+        class(particles_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         integer :: moved, own(2)
@@ -55,8 +56,8 @@ contains
     !> Mass, momentum and energy of gas, cell stores and deferred sources together do not change.
     subroutine move_on(air, solid, p, c, err)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(in) :: solid !! its bodies
-        type(solid_t), intent(in) :: p
+        class(bodies_t), intent(in) :: solid !! its bodies
+        class(bodies_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         integer :: moved, own(2)
@@ -76,7 +77,7 @@ contains
 
     !> Find the air cell of each particle, and how many have changed theirs.
     subroutine look_at_particles(p, c, moved, err)
-        type(solid_t), intent(in) :: p
+        class(particles_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         integer, intent(out) :: moved
         type(error_t), intent(inout) :: err
@@ -89,7 +90,7 @@ contains
 
     !> Compare the map of the cells that hold particles with the walls.
     subroutine find_changes(p, c, own, err)
-        type(solid_t), intent(in) :: p
+        class(particles_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         integer, intent(out) :: own(2) !! cells of this process newly covered, cleared
         type(error_t), intent(inout) :: err
@@ -196,7 +197,7 @@ contains
 
     !> Sort the particles by solid cell.
     subroutine fill_bins(p, c, err)
-        type(solid_t), intent(in) :: p
+        class(particles_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         integer :: n

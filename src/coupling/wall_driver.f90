@@ -10,7 +10,8 @@ module brz_wall_driver
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int32, rk
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
     use brz_velocity_loops, only: for_each_keep_velocity, for_each_mean_velocity_of, &
         for_each_find_wall_velocity
     implicit none
@@ -24,7 +25,7 @@ contains
     !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
     !> carries them, else as it is kept, half a step before. The driven bodies must be there.
     subroutine find_mean_velocity(p, c, err)
-        type(solid_t), intent(in) :: p !! particles
+        class(particles_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
@@ -35,7 +36,7 @@ contains
 
     !> Surface of the column behind each face, and the sum of the weights in it.
     subroutine weigh_columns(p, c, err)
-        type(solid_t), intent(in) :: p
+        class(particles_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
@@ -57,7 +58,7 @@ contains
     !> Velocities of the walls in the middle of the coming step, where that of a particle a step
     !> ago is a column of v_before.
     subroutine find_wall_velocities(p, c, dt, v_before, column, err)
-        type(solid_t), intent(in) :: p
+        class(particles_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
         real(rk), intent(in) :: v_before(:, :) !! [m/s]
@@ -73,7 +74,7 @@ contains
 
     !> Keep the velocities for the coming step.
     subroutine keep_velocities(p, c, err)
-        type(solid_t), intent(in) :: p
+        class(particles_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
@@ -83,7 +84,7 @@ contains
     !> Loads of the particles, and the diagnostics of the walls. The columns are those of before the
     !> step.
     subroutine press_bodies(p, c, dt, err)
-        type(solid_t), intent(inout) :: p
+        class(particles_t), intent(inout) :: p
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! step of the air [s]
         type(error_t), intent(inout) :: err
@@ -108,8 +109,8 @@ contains
 
     !> Stress that the loads bring to the faces of bodies, after press_bodies.
     subroutine stress_faces(solid, p, c, err)
-        type(solid_t), intent(in) :: solid !! its bodies
-        type(solid_t), intent(inout) :: p !! its particles
+        class(bodies_t), intent(in) :: solid !! its bodies
+        class(bodies_t), intent(inout) :: p !! its particles
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         integer :: b

@@ -11,7 +11,7 @@ module brz_coupling_paper
     use brz_kinds, only: dp, rk
     use brz_paper_rules, only: add_neighbour, filled_state, paper_force
     use brz_scheme, only: max_var
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
     implicit none
     private
     public :: fill_solid_cells, add_forces
@@ -66,7 +66,7 @@ contains
     !> Add what one stage does to the mean force of the step, and to the sums of impulse and work.
     subroutine add_forces(air, solid, coupling, share, dt)
         type(air_t), intent(in) :: air
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: share !! weight of the stage
         real(dp), intent(in) :: dt !! [s]

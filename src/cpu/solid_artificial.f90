@@ -10,7 +10,7 @@ module brz_solid_artificial
     use brz_solid_arrays, only: group_of
     use brz_solid_lanes, only: centre_t
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
     public :: add_artificial
@@ -19,7 +19,7 @@ contains
 
     !> Add the artificial stress of all pairs of a particle, images included.
     subroutine add_artificial(solid, body, i, p, f)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
         type(centre_t), intent(in) :: p !! kernel
@@ -39,7 +39,7 @@ contains
 
     !> Add that of one pair, if either is in tension.
     subroutine add_pair(solid, body, i, p, j, mask, f)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
         type(centre_t), intent(in) :: p

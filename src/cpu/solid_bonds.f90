@@ -9,7 +9,7 @@ module brz_solid_bonds
     use brz_kinds, only: dp, real32, rk
     use brz_moment_layout, only: n_moments
     use brz_pair_layout, only: pair_tilt
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
     public :: add_bonded_gradients, add_bonded_forces, push_rigid_bonds, break_bonds
@@ -21,7 +21,7 @@ contains
 
     !> Add the bonded partners of particle i to its moments and gradients (see pass 1).
     subroutine add_bonded_gradients(solid, i, sums)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: i
         real(rk), intent(inout) :: sums(n_moments)
 
@@ -33,7 +33,7 @@ contains
 
     !> Add the forces of the bonded partners of particle i (see pass 2).
     subroutine add_bonded_forces(solid, i, f)
-        type(solid_t), intent(in), target :: solid
+        class(listed_bodies_t), intent(in), target :: solid
         integer, intent(in) :: i
         real(rk), intent(inout) :: f(n_terms)
         real(real32), pointer :: k_axes(:, :)
@@ -52,7 +52,7 @@ contains
     !> Forces of the bonded partners on the particles of rigid bodies, to those of contact; their
     !> share of the heat over dt, the step just made.
     subroutine push_rigid_bonds(solid, dt)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         real(rk) :: f(n_terms)
         integer :: b, i
@@ -77,7 +77,7 @@ contains
 
     !> Break the bonds of particles whose traction on the bond exceeds its strength.
     subroutine break_bonds(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
 
         if (.not. solid%links%bonds) return
         associate (s => solid, l => solid%links)

@@ -7,10 +7,11 @@ module brz_solid_contact
     use brz_contact_loop_bodies, only: kept_early, kept_energy, kept_heat, kept_rub, n_kept, &
         press_particle, push_particle, sum_links
     use brz_force_layout, only: at_drag, at_stiff, n_terms
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_kinds, only: dp, real32, rk
     use brz_link_rows, only: joined_of
     use brz_solid_ghosts, only: refresh_motion, refresh_press, refresh_rows
-    use brz_solid_state, only: solid_t
+    use brz_solid_part, only: solid_part_t
     use brz_threads, only: worth_threads
     implicit none
     private
@@ -19,8 +20,9 @@ module brz_solid_contact
 contains
 
     !> Forces of contact at the present positions into `push`; heat over dt, the step just made.
-    subroutine contact_pass(solid, dt)
-        type(solid_t), intent(inout) :: solid
+    subroutine contact_pass(solid, part, dt)
+        class(listed_bodies_t), intent(inout) :: solid
+        type(solid_part_t), intent(inout) :: part
         real(dp), intent(in) :: dt !! [s]
         real(rk) :: lost
         real(dp) :: limit
@@ -41,7 +43,7 @@ contains
                 end associate
             end do
         end do
-        call refresh_press(solid)
+        call refresh_press(solid, part)
         limit = solid%dt_limit
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i) &
         !$omp reduction(min: limit)
@@ -53,13 +55,13 @@ contains
             end do
         end do
         solid%dt_limit = limit
-        if (solid%links%faces) call refresh_rows(solid) ! with what contact brings by the faces
+        if (solid%links%faces) call refresh_rows(solid, part) ! with what contact brings by the faces
         call diag(solid)
     end subroutine contact_pass
 
     !> Energy, heat of damping and of friction of all blocks to their bodies, in fixed order.
     subroutine diag(solid)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         integer :: k
 
         solid%bodies%account%contact = 0
@@ -77,7 +79,7 @@ contains
     !> Kernel sum over other bodies at the start: where it exceeds that of a flat surface, as in a
     !> bar within concrete, contact begins there.
     subroutine find_touch(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         real(rk) :: now(n_link), before(n_link), freed
         integer :: i
 
@@ -96,7 +98,7 @@ contains
 
     !> Pressure of contact of particle i, and what its spring lost over dt, the step just made.
     subroutine press(solid, i, dt, lost)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: i
         real(rk), intent(in) :: dt !! [s]
         real(rk), intent(out) :: lost !! [J]
@@ -109,12 +111,13 @@ contains
     end subroutine press
 
     !> Pressures of contact at the present positions, of ghosts as well.
-    subroutine find_press(solid)
-        type(solid_t), intent(inout) :: solid
+    subroutine find_press(solid, part)
+        class(listed_bodies_t), intent(inout) :: solid
+        type(solid_part_t), intent(inout) :: part
         real(rk) :: lost
         integer :: i, k
 
-        call refresh_motion(solid)
+        call refresh_motion(solid, part)
         do k = 1, size(solid%block, 2)
             do i = solid%block(2, k), solid%block(3, k)
                 associate (row => solid%links%row(i))
@@ -122,12 +125,12 @@ contains
                 end associate
             end do
         end do
-        call refresh_press(solid)
+        call refresh_press(solid, part)
     end subroutine find_press
 
     !> Force on particle i, its share of the energies, and what time step it bears.
     subroutine add_up(solid, dt, i, sums, limit)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: dt
         integer, intent(in) :: i
         real(dp), intent(inout) :: sums(:), limit

@@ -20,7 +20,7 @@ module brz_solid_forces
     use brz_solid_mirror, only: mirrored, signs
     use brz_solid_pair_sums, only: add_pairs
     use brz_solid_artificial, only: add_artificial
-    use brz_solid_state, only: solid_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_support, only: fixed_share
     use brz_tensile_control, only: kept_work
     use brz_threads, only: worth_threads
@@ -40,7 +40,7 @@ contains
 
     !> Accelerations at the present positions; heat over dt, the step just made.
     subroutine force_pass(solid, dt)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         integer :: k
 
@@ -86,7 +86,7 @@ contains
     end subroutine force_pass
 
     subroutine force_block(solid, body, dt, k)
-        type(solid_t), intent(inout) :: solid
+        type(interacting_bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: dt
         integer, intent(in) :: k !! block
@@ -113,7 +113,7 @@ contains
 
     !> Sums over the neighbours of a group and over their images, one after the other.
     subroutine sum_group(solid, body, p)
-        type(solid_t), intent(in) :: solid
+        type(interacting_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(lane_group_t), intent(inout) :: p
         type(images_t) :: images
@@ -139,7 +139,7 @@ contains
 
     !> What pass 1 left of the members of a group.
     subroutine take_rows(solid, body, p)
-        type(solid_t), intent(in) :: solid
+        type(interacting_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(lane_group_t), intent(inout) :: p
         integer :: i, l
@@ -157,7 +157,7 @@ contains
     !> True where the tensile control acts on some pair of a group, the members of which are in its
     !> list.
     pure logical function some_pair_held(solid, body, p) result(yes)
-        type(solid_t), intent(in) :: solid
+        type(interacting_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(lane_group_t), intent(in) :: p
         integer(int64) :: k
@@ -179,7 +179,7 @@ contains
     !> What pass 1 left of particles, as the images k..last have it. Where a plane turns the normal
     !> round, a tilt changes sign.
     subroutine mirror_rows(solid, p, k, last, rows)
-        type(solid_t), intent(in) :: solid
+        type(interacting_bodies_t), intent(in) :: solid
         type(lane_group_t), intent(in) :: p
         integer(int64), intent(in) :: k, last
         type(image_rows_t), intent(inout) :: rows
@@ -203,7 +203,7 @@ contains
 
     !> Add what the loops over the lanes leave out: other bodies, artificial stress.
     subroutine add_rest(solid, body, i, p, f)
-        type(solid_t), intent(in) :: solid
+        type(interacting_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
         type(centre_t), intent(in) :: p !! kernel
@@ -222,7 +222,7 @@ contains
 
     !> Volumes and smoothing lengths of a block as its compression says.
     subroutine update_sizes(solid, body, k)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: k !! block
 
@@ -231,7 +231,7 @@ contains
     end subroutine update_sizes
 
     subroutine update_volumes(solid, body, k)
-        type(solid_t), intent(inout) :: solid
+        type(interacting_bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: k !! block
         integer :: i
@@ -244,7 +244,7 @@ contains
     end subroutine update_volumes
 
     subroutine update_lengths(solid, body, k)
-        type(solid_t), intent(inout) :: solid
+        type(interacting_bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: k !! block
         integer :: i
@@ -263,7 +263,7 @@ contains
     !> the velocities before and after it, so the drag takes dt/2 of its power on the acceleration
     !> back: then the energy of the drag is closed to rounding.
     subroutine accelerate(solid, body, dt, i, k, f)
-        type(solid_t), intent(inout) :: solid
+        type(interacting_bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(rk), intent(in) :: dt
         integer, intent(in) :: i, k

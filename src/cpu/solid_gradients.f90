@@ -31,7 +31,7 @@ module brz_solid_gradients
     use brz_solid_arrays, only: group_of
     use brz_solid_lanes, only: lane_group_t, images_t, in_turn, most_images, place_body, &
                                place_group, place_images
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_tensile_control, only: deviation, kappa_of, may_be_in_tension
     use brz_threads, only: worth_threads
     use brz_one_sided_arm, only: tilted_correction
@@ -44,7 +44,7 @@ contains
     !> One pass over all particles that are active; with dt = 0 over all, nothing is updated and
     !> only `pair` is written.
     subroutine gradient_pass(solid, dt)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! step just made [s]
         integer :: k
 
@@ -74,7 +74,7 @@ contains
 
     !> Add the work of the blocks to the energy accounts of the bodies, in fixed order.
     subroutine record_work(solid)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         integer :: k
 
         do k = 1, size(solid%block, 2)
@@ -88,7 +88,7 @@ contains
     end subroutine record_work
 
     subroutine gradient_block(solid, body, dt, k)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: dt
         integer, intent(in) :: k !! block
@@ -125,7 +125,7 @@ contains
 
     !> Tilts of a group: none once a particle has lost its support or its strength.
     pure subroutine tilt_group(solid, body, p)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(lane_group_t), intent(inout) :: p
         integer :: fails, i, l
@@ -143,7 +143,7 @@ contains
 
     !> Which of a group may need the tensile control: what was in tension before the step.
     pure subroutine find_tension(solid, body, p)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(lane_group_t), intent(inout) :: p
         integer :: l
@@ -157,7 +157,7 @@ contains
 
     !> Sums over the neighbours of a group and over their images, one after the other.
     subroutine sum_group(solid, body, p, sums)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(lane_group_t), intent(inout) :: p
         real(rk), intent(out) :: sums(lanes, n_terms)
@@ -181,7 +181,7 @@ contains
 
     !> From the sums to the new state of particle i and its row of `pair`.
     subroutine advance(solid, body, rules, dt, i, k, in_tension, sums)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         type(row_rules_t), intent(in) :: rules !! of the body
         real(dp), intent(in) :: dt
@@ -262,7 +262,7 @@ contains
     !> pays that on the velocity of its surface cells, which lies as deep as its load, and no more:
     !> the rest is taken out of the energy of the layer above.
     pure subroutine record_face(solid, body, dt, i, k, rho, h)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: dt
         integer, intent(in) :: i, k !! particle and its block
@@ -279,7 +279,7 @@ contains
 
     !> The stress that acts along the arms of the pairs, less what the load brings by the faces.
     pure subroutine working_stress(solid, body, i, loaded, rho, f, s)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
         logical, intent(in) :: loaded !! after a step; before the first one no load has acted
@@ -297,7 +297,7 @@ contains
     !> From Cauchy's stress to that which acts along the arms of the pairs: Piola's; else it works
     !> on the present volume, while the weights of the pairs have the last one.
     pure subroutine put_to_work(solid, body, i, rho, f, s)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
         real(rk), intent(in) :: rho, f(3, 3) !! see working_stress
@@ -312,7 +312,7 @@ contains
 
     !> Strain the half layer at the face of a particle that may touch others.
     subroutine move_face(solid, body, i, dt, rho, f, b, h)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
         real(rk), intent(in) :: dt, rho !! [s], [kg/m3]
@@ -337,7 +337,7 @@ contains
 
     !> Share of the stiffness of the hourglass force along axes that plastic strain leaves.
     pure real(rk) function left_of(solid, body, i) result(share)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
 
@@ -350,7 +350,7 @@ contains
     !> The tensile control of particle i: nothing where it was not in tension or has lost its
     !> support.
     subroutine hold_particle(solid, body, i, in_tension, a, s, trace)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
         logical, intent(in) :: in_tension
@@ -380,7 +380,7 @@ contains
 
     !> The velocity gradient across a layer: its faces are free of stress at the end of the step.
     pure subroutine turn_faces(solid, body, i, dt, normal, h)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
         real(dp), intent(in) :: dt !! [s]
@@ -398,7 +398,7 @@ contains
 
     !> Take out of the energy what the stress does on the faces of a layer.
     pure subroutine free_faces(solid, i, time, b, h)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: i
         real(rk), intent(in) :: time, b(3, 3), h(3, 3) !! [s]; see face_power
 
@@ -408,7 +408,7 @@ contains
 
     !> Material update of particle i; its work goes to the sums of the block.
     subroutine update_particle(solid, body, dt, l, i, k, c_wave, c_bulk)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(rk), intent(in) :: dt, l(3, 3)
         integer, intent(in) :: i, k

@@ -16,7 +16,7 @@ module brz_solid_lanes
     use brz_particle_groups, only: lanes
     use brz_solid_arrays, only: group_of
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_one_sided_arm, only: radial_normal
     implicit none
     private
@@ -84,7 +84,7 @@ contains
     !> The group of a body that begins with particle `first`: its members, their places and
     !> velocities, its list.
     pure subroutine place_group(solid, body, first, p)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: first
         type(lane_group_t), intent(inout) :: p
@@ -107,7 +107,7 @@ contains
 
     !> A body and its kernel, before its groups are placed.
     pure subroutine place_body(solid, body, p)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(lane_group_t), intent(inout) :: p
 
@@ -161,7 +161,7 @@ contains
 
     !> Lay down the images of the entries k..last: what pass 1 reads of them.
     pure subroutine place_images(solid, k, last, images)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer(int64), intent(in) :: k, last
         type(images_t), intent(inout) :: images
         real(rk) :: s(3)

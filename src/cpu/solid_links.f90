@@ -17,7 +17,7 @@ module brz_solid_links
     use brz_particle_marks, only: is_gone
     use brz_ranks, only: least_of_all, most_of_all, several
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_threads, only: worth_threads
     implicit none
     private
@@ -27,7 +27,7 @@ contains
 
     !> The links are about to be built: note the drifts of the bodies, and how far they are apart.
     subroutine settle_links(solid, resume)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         logical, intent(in) :: resume !! for the drifts of the links that were there
         real(dp) :: ends(6*size(solid%bodies))
         integer :: b
@@ -54,7 +54,7 @@ contains
 
     !> Build the links for the positions `x_built`, to which the drifts of the bodies are added.
     subroutine build_links(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer :: b, i
 
         if (.not. solid%links%present) return
@@ -73,7 +73,7 @@ contains
 
     !> Bodies have met where they have in any process.
     subroutine join_interactions(solid)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         integer(int64) :: met(size(solid%links%met))
 
         met = reshape(merge(1_int64, 0_int64, solid%links%met), shape(met))
@@ -84,7 +84,7 @@ contains
     !> Count in `row`, or store, the links of every particle with one body after the other; note
     !> which bodies have some.
     subroutine visit_bodies(solid, box, keep)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: box(:, :, :) !! (3, 2, bodies) corners of x_built [m]
         logical, intent(in) :: keep
         real(dp) :: shift(3), reach
@@ -125,7 +125,7 @@ contains
 
     !> True where the planes of the mask m exist and the image of i lies in the box.
     pure logical function near(solid, i, m, lo, hi)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: i, m
         real(dp), intent(in) :: lo(3), hi(3) !! [m]
         real(dp) :: x
@@ -144,7 +144,7 @@ contains
 
     !> Count or store the particles of the body in the grid near the image of i, which has drifted.
     pure subroutine search(solid, i, m, shift, reach, keep, more)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: i, m
         real(dp), intent(in) :: shift(3), reach !! relative to the body in the grid [m]
         logical, intent(in) :: keep
@@ -241,7 +241,7 @@ contains
 
     !> Bond the particles that have a partner within reach at the start; others never bond.
     subroutine first_bonds(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer :: a, b, i
         integer(int64) :: k
 

@@ -8,7 +8,7 @@ module brz_solid_motion
     use brz_material, only: strength_left
     use brz_solid_arrays, only: group_of
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_tensile_control, only: may_be_in_tension
     use brz_threads, only: worth_threads
     implicit none
@@ -21,7 +21,7 @@ contains
 
     !> Neighbours that particles have at the start.
     subroutine count_support(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer :: i, k
 
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i)
@@ -36,7 +36,7 @@ contains
     !> Neighbours of a particle within the reach of its list, when that was built, that still carry
     !> load.
     pure integer function count_intact(solid, b, i, fails) result(n)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: b, i !! body, particle
         integer, intent(in) :: fails !! how the material of the body fails
         integer(int64) :: k
@@ -63,7 +63,7 @@ contains
 
     !> True where a particle has a tilted gradient while it has its support.
     pure logical function is_tilted(solid, i) result(yes)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: i
 
         yes = allocated(solid%tilt)
@@ -73,7 +73,7 @@ contains
     !> End the stiff hourglass force, and the tilt, for good where half of the intact neighbours are
     !> gone.
     subroutine end_support(solid, anew)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         logical, intent(in) :: anew(:) !! (bodies) whose lists were built anew
         integer :: fails, i, k
 

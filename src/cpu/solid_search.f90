@@ -17,7 +17,7 @@ module brz_solid_search
     use brz_particle_groups, only: lanes
     use brz_particle_marks, only: is_gone
     use brz_solid_arrays, only: group_of
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_threads, only: worth_threads
     implicit none
     private
@@ -27,7 +27,7 @@ contains
 
     !> List of a body: those of total-Lagrangian bodies are of the unloaded places.
     subroutine build_list(solid, b)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
 
         if (solid%bodies(b)%formulation == form_total) then
@@ -39,7 +39,7 @@ contains
 
     !> List of a body for given places.
     subroutine list_places(solid, b, place)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         real(dp) :: reach
@@ -59,7 +59,7 @@ contains
 
     !> The particles of a rigid body have no neighbours.
     pure subroutine leave_out(solid, body)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
 
         associate (from => group_of(body, body%first), to => group_of(body, body%last))
@@ -71,7 +71,7 @@ contains
     !> Search for the neighbours of all groups of a body, or of the chosen ones. Every thread keeps
     !> what it finds for its groups, until the lengths of all lists are known.
     subroutine list_body(solid, body, reach, place)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: reach !! [m]
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
@@ -124,7 +124,7 @@ contains
 
     !> Append the lists that a group has.
     subroutine keep_group(solid, g, was, image_was, found, n)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: g
         integer(int64), intent(in) :: was(:), image_was(:) !! where lists lay
         integer(int64), allocatable, intent(inout) :: found(:) !! 8*particle + mask
@@ -148,7 +148,7 @@ contains
 
     !> Lists begin where those of the group before end; there must be room for all.
     subroutine lay_out(solid, from, to)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: from, to !! groups of a body
         integer :: g
 
@@ -214,7 +214,7 @@ contains
 
     !> Bring what was found for a group, after entry n, into its lists.
     subroutine store_group(solid, g, found, n)
-        type(solid_t), intent(inout) :: solid
+        type(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: g
         integer(int64), intent(in) :: found(:)
         integer(int64), intent(inout) :: n !! entries that are stored
@@ -248,7 +248,7 @@ contains
     !> Append the particles whose image in the planes of the mask m is within reach of a group: all
     !> in one box, or where its members are far apart one after the other.
     pure subroutine search_group(solid, place, group, m, reach, room, found, n)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         real(dp), intent(in) :: group(lanes, 3) !! places of its members [m]
         integer, intent(in) :: m !! planes, bits 0..2; 0: the particles themselves
@@ -282,7 +282,7 @@ contains
 
     !> Append what is within reach of the places x, but of none of those that were searched before.
     pure subroutine search_box(solid, place, x, before, reach, found, n)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         real(dp), intent(in) :: x(lanes, 3), before(:, :) !! [m]
         real(dp), intent(in) :: reach !! [m]

@@ -9,7 +9,7 @@ module brz_solid_tilts
     use brz_solid_arrays, only: group_of
     use brz_link_rows, only: first_link, is_bonded, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_threads, only: worth_threads
     use brz_one_sided_arm, only: pack_tilt, radial_normal
     implicit none
@@ -23,7 +23,7 @@ contains
 
     !> Tilts of all particles; lists and bonds must be known.
     subroutine find_tilts(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         real(rk) :: tilt
         integer :: i, k
 
@@ -44,7 +44,7 @@ contains
     !> and z across it [1/m]: u = t z then has the gradient of a place d from it. d is 0 but at the
     !> faces of plates and bars, which see the strain further out. In bars c and d are vectors.
     pure subroutine tilt_of(solid, body, i, tilt)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
         real(rk), intent(out) :: tilt !! [1/m], of bars packed
@@ -149,7 +149,7 @@ contains
     !> Add a neighbour, or its image in the planes of the mask, to the sums of w t^2 times y, z,
     !> y^2, z^2, y z and 1, with y and z the directions across; of a plate there is no z.
     pure subroutine add(solid, across, i, j, mask, scale, half_over_h, sums)
-        type(solid_t), intent(in) :: solid
+        type(listed_bodies_t), intent(in) :: solid
         real(rk), intent(in) :: across(3, 2)
         integer, intent(in) :: i, j, mask
         real(rk), intent(in) :: scale, half_over_h !! see brz_kernel

@@ -8,7 +8,8 @@ module brz_body_pair_force_driver
     use brz_body_pair_force_loops, only: for_each_sum_body_pair_force
     use brz_kinds, only: dp
     use brz_link_rows, only: joined_of
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_errors, only: error_t
     implicit none
     private
@@ -18,7 +19,7 @@ contains
 
     !> The forces at the start.
     subroutine begin_body_pair_force(solid, err)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         integer :: k
 
@@ -30,7 +31,7 @@ contains
 
     !> The forces after a step, and what they gave in it.
     subroutine record_body_pair_force(solid, dt, err)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
         real(dp) :: force(3)
@@ -45,7 +46,7 @@ contains
 
     !> Force on the first of two bodies by the second, on all processes the same bits [N].
     subroutine force_of_body_pair(solid, body, force, err)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: body(2)
         real(dp), intent(out) :: force(3)
         type(error_t), intent(inout) :: err

@@ -6,7 +6,7 @@ module brz_force_driver
     use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
     use brz_rigid_motion, only: rigid_forces
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     use brz_errors, only: error_t
     implicit none
     private
@@ -19,7 +19,7 @@ contains
     !> Force and moment of body b on what holds it, force of its load and of other bodies; on all
     !> processes the same bits.
     subroutine forces_on_body(solid, b, at, sums, err)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: at(3) !! point of the moment [m]
         real(dp), intent(out) :: sums(n_forces)
@@ -38,7 +38,7 @@ contains
 
     !> Impulse of the load on all bodies that are active, over a step.
     subroutine record_impulse(solid, dt, err)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
         real(dp) :: sums(n_forces)

@@ -11,6 +11,7 @@ module brz_load_driver
     use brz_lists, only: clear_list
     use brz_load_part, only: tell_carriers
     use brz_ranks, only: several
+    use brz_bodies, only: bodies_t
     use brz_solid_state, only: solid_t
     use brz_errors, only: error_t
     implicit none
@@ -22,7 +23,7 @@ contains
     !> Set the loads of all particles, of rigid bodies, and of the driven particles of others, to
     !> the mean pressures of the coming step: their impulses are exact.
     subroutine load_faces(solid, dt, err)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
         real(dp) :: a(3, size(solid%bodies))
@@ -61,7 +62,7 @@ contains
 
     !> Where particles and ghosts lie.
     subroutine place_all(solid, err)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         integer :: b
 
@@ -76,7 +77,7 @@ contains
 
     !> Where the particles of this process lie.
     subroutine place_own(solid, err)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         integer :: b
 
@@ -91,7 +92,7 @@ contains
 
     !> Particles may have changed processes: tell all who has those that carry loaded segments.
     subroutine note_carriers(solid, err)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
         if (.not. (allocated(solid%loads%of) .and. several(solid%ranks))) return

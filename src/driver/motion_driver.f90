@@ -12,6 +12,7 @@ module brz_motion_driver
     use brz_motion_loops, only: for_each_drift_particle, for_each_note_particle
     use brz_skin_level, only: skin_levels
     use brz_solid_diagnostics, only: begin_kick, record_work
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_solid_state, only: solid_t
     use brz_errors, only: error_t
     implicit none
@@ -62,7 +63,7 @@ contains
     !> How far the particles of each body have moved relative to it since its list was built: the
     !> highest level of brz_list_drift, of this process, at the last kick.
     subroutine find_levels(solid, level, err)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer(int64), intent(out) :: level(:) !! (bodies)
         type(error_t), intent(inout) :: err
         integer :: b

@@ -32,9 +32,9 @@ contains
 
         if (solid%on_gpu) then
             call note_ranges(solid%bodies, solid%n, solid%device)
-            call gpu_find_boxes(solid%device, solid, err)
+            call gpu_find_boxes(solid%device, solid, solid%part, err)
         else
-            call cpu_find_boxes(solid)
+            call cpu_find_boxes(solid, solid%part)
         end if
     end subroutine find_boxes
 
@@ -45,9 +45,9 @@ contains
 
         if (solid%on_gpu) then
             call note_ranges(solid%bodies, solid%n, solid%device)
-            call gpu_find_lowest(solid%device, solid, err)
+            call gpu_find_lowest(solid%device, solid, solid%part, err)
         else
-            call cpu_find_lowest(solid)
+            call cpu_find_lowest(solid, solid%part)
         end if
     end subroutine find_lowest
 
@@ -77,7 +77,7 @@ contains
 
         if (solid%on_gpu) then
             call close_diagnostics(solid%device, solid, changed, err)
-            call gpu_list_leaving(solid, number, leaving, err)
+            call gpu_list_leaving(solid%device, solid%n, solid%part, number, leaving, err)
         else
             call list_marks(.false., solid%n, number, solid%part%marks_t, leaving, err)
         end if
@@ -115,7 +115,7 @@ contains
         if (.not. solid%on_gpu) then
             call list_marks(.false., solid%n, out, solid%part%marks_t, solid%part%out, err)
             call place_pieces(.false., in, next, solid%part%marks_t, solid%part%in, err)
-            call send_ghosts(solid)
+            call send_ghosts(solid, solid%part)
             return
         end if
         associate (gpu => solid%device, ghosts => solid%device%ghosts, marks => solid%part%marks_t)

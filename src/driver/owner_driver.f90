@@ -178,7 +178,7 @@ contains
         call note_ranges(solid%bodies, solid%n, solid%device)
         solid%device%fetched = .false.
         solid%device%summed = .false.
-        solid%device%laid = solid%device%laid + 1
+        solid%laid = solid%laid + 1
     end subroutine lay_ghosts
 
     !> Send the marked particles to others as ghosts, and take in those that come, behind the ghosts
@@ -229,7 +229,7 @@ contains
         call begin_marks(solid%on_gpu, solid%n, solid%ranks%n, solid%part%marks_t, err)
         call at_least(solid%on_gpu, solid%part%sent, solid%n*solid%ranks%n, err)
         do b = 1, size(number, 1)
-            want = wants_of(solid, b, solid%part%region)
+            want = wants_of(solid, solid%part, b, solid%part%region)
             if (size(want) == 0 .and. .not. whole(b)) cycle
             if (solid%on_gpu) call put_wants(solid%device, want, err)
             associate (there => solid%bodies(b), part => solid%part)

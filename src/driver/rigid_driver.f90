@@ -11,7 +11,7 @@ module brz_rigid_driver
     use brz_force_loops, only: for_each_sum_region
     use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
-    use brz_link_rows, only: glue_of, heat_of, layout_of_pushes, nodes_of
+    use brz_link_rows, only: glue_of, layout_of_pushes, nodes_of
     use brz_motion, only: mean_velocity, velocity_of
     use brz_rigid_loops, only: for_each_drive_particle, for_each_follow_drive, &
         for_each_follow_rigid, for_each_place_rigid, for_each_settle_heat, for_each_sum_pairs
@@ -20,6 +20,9 @@ module brz_rigid_driver
     use brz_rigid_pose, only: pose_of, resting_pose
     use brz_solid_backend, only: add_held_impulse
     use brz_solid_diagnostics, only: record_drag
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_solid_state, only: solid_t
     use brz_errors, only: error_t
     implicit none
@@ -80,7 +83,7 @@ contains
 
     !> Carry the regions of body b along that are moved.
     subroutine move_regions(solid, b, dt, err)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
@@ -102,7 +105,7 @@ contains
 
     !> Force and torque of contact and of interfaces on rigid bodies: exact sums, as they act back.
     subroutine sum_pushes(solid, dt, push, err)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! step just made [s]
         real(dp), intent(out) :: push(6, size(solid%bodies)) !! [N], [N m]
         type(error_t), intent(inout) :: err
@@ -167,7 +170,7 @@ contains
     end subroutine balance_rigid
 
     subroutine balance_body(solid, b, push, dt, err)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: push(6) !! [N], [N m]
         real(dp), intent(in) :: dt !! [s]
@@ -242,4 +245,13 @@ contains
             end do
         end associate
     end subroutine balance_regions
+
+    !> Heat of contact of each particle [J]; on the CPU among the work of the loads.
+    function heat_of(solid) result(heat)
+        type(solid_t), intent(in), target :: solid
+        real(dp), pointer, contiguous :: heat(:)
+
+        heat => solid%work
+        if (solid%on_gpu) heat => solid%device%heat
+    end function heat_of
 end module brz_rigid_driver

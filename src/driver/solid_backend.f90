@@ -70,7 +70,7 @@ contains
         if (solid%on_gpu) then
             call gpu_refresh_rows(solid%device, solid, err)
         else
-            call cpu_refresh_rows(solid)
+            call cpu_refresh_rows(solid, solid%part)
         end if
     end subroutine refresh_rows
 
@@ -94,7 +94,7 @@ contains
         if (solid%on_gpu) then
             call gpu_refresh_bonds(solid%device, solid, err)
         else
-            call cpu_refresh_bonds(solid)
+            call cpu_refresh_bonds(solid, solid%part)
         end if
     end subroutine refresh_bonds
 
@@ -106,7 +106,7 @@ contains
         if (solid%on_gpu) then
             call gpu_refresh_joined(solid%device, solid, err)
         else
-            call cpu_refresh_joined(solid)
+            call cpu_refresh_joined(solid, solid%part)
         end if
     end subroutine refresh_joined
 
@@ -119,7 +119,7 @@ contains
         if (solid%on_gpu) then
             call gpu_contact_pass(solid%device, solid, dt, err)
         else
-            call cpu_contact_pass(solid, dt)
+            call cpu_contact_pass(solid, solid%part, dt)
         end if
     end subroutine contact_pass
 
@@ -144,7 +144,7 @@ contains
         if (solid%on_gpu) then
             call gpu_find_press(solid%device, solid, err)
         else
-            call cpu_find_press(solid)
+            call cpu_find_press(solid, solid%part)
         end if
     end subroutine find_press
 
@@ -224,7 +224,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (solid%on_gpu) then
-            call gpu_renew_places(solid%device, solid, b, moved, err)
+            call gpu_renew_places(solid%device, solid, solid%part, b, moved, err)
         else
             call cpu_renew_places(solid, b, moved)
         end if
@@ -277,7 +277,7 @@ contains
         if (solid%on_gpu) then
             call take_motion(solid%device, solid, err)
         else
-            call refresh_motion(solid)
+            call refresh_motion(solid, solid%part)
         end if
     end subroutine exchange_motion
 

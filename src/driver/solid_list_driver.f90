@@ -59,7 +59,7 @@ contains
         end do
         call build_links(solid, err)
         call place_nodes(solid, err)
-        if (solid%on_gpu) call renew_sleepers(solid%device, solid, err)
+        if (solid%on_gpu .and. solid%part%recut) call renew_sleepers(solid%device, solid, err)
     end subroutine build_neighbours
 
     !> The list of body b is about to be built for the places of now: of all its particles, or only
@@ -75,7 +75,8 @@ contains
         if (may_renew(solid, b)) then
             call renew_places(solid, b, moved, err)
             call sum_of_all(solid%ranks, moved)
-            call decide_part(solid, b, moved(1), in_part)
+            call decide_part(solid%bodies(b), solid%part%keeps .or. .not. several(solid%ranks), &
+                             moved(1), in_part)
             if (solid%bodies(b)%cells%in_part .and. .not. solid%on_gpu) &
                 call choose_lists(solid, b, 0, err)
             if (in_part) then

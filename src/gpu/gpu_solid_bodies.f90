@@ -16,7 +16,8 @@ module brz_gpu_solid_bodies
     use brz_model_list, only: find_kernel_of
     use brz_particle_marks, only: is_gone
     use brz_row_loop_bodies, only: rules_of
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
     use brz_text, only: to_text
     implicit none
     private
@@ -26,7 +27,7 @@ contains
 
     !> What of a scene the GPU cannot compute yet; unallocated if it can.
     subroutine cannot_run_solid(solid, why)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         character(:), allocatable, intent(out) :: why
         character(:), allocatable :: name
         integer :: b, slots
@@ -43,7 +44,7 @@ contains
 
     !> Memory and kernels of all bodies.
     subroutine open_gpu_bodies(solid, gpu, err)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer :: b
@@ -56,7 +57,7 @@ contains
 
     !> Axes of the plies of all bodies, one after the other.
     subroutine put_axes(solid, gpu, err)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         real(rk), allocatable :: axes(:, :, :)
@@ -74,7 +75,7 @@ contains
 
     !> Axes of the bodies before body b.
     pure integer function axes_before(solid, b) result(n)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b
         integer :: k
 
@@ -86,7 +87,7 @@ contains
 
     !> What one body needs.
     subroutine open_body(solid, b, column, gpu, err)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b
         type(columns_t), intent(in) :: column
         type(body_device_t), intent(inout) :: gpu
@@ -131,7 +132,7 @@ contains
     !> A body as the kernels see it.
     pure function params_of(body, solid, axes) result(p)
         type(body_t), intent(in) :: body
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         integer, intent(in) :: axes
         type(body_gpu_t) :: p
 

@@ -15,7 +15,9 @@ module brz_gpu_solid_contact
     use brz_kinds, only: dp, int64, rk
     use brz_present_table, only: on_device
     use brz_solid_launches, only: solid_kernels
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_tie_launches, only: tie_kernels
     implicit none
     private
@@ -119,7 +121,7 @@ contains
     !> Break the bonds of particles whose traction on the bond exceeds its strength.
     subroutine break_bonds(gpu, solid, err)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         integer :: k
 
@@ -136,7 +138,7 @@ contains
     !> All forces between bodies, also those of bonds and interfaces, into `extra`.
     subroutine contact_pass(gpu, solid, dt, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         real(dp), intent(in) :: dt !! step just made [s]
         type(error_t), intent(inout) :: err
         integer :: k
@@ -193,7 +195,7 @@ contains
     !> Pressures of contact at the present positions, of sleepers and ghosts as well.
     subroutine find_press(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
         call refresh_motion(gpu, solid, err)

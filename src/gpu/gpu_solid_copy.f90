@@ -26,6 +26,8 @@ module brz_gpu_solid_copy
         in_tag
     use brz_solid_owner, only: make_room
     use brz_solid_launches, only: solid_kernels
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -65,7 +67,7 @@ contains
 
     !> What follows from the material of the particles.
     subroutine put_speeds(solid, gpu, err)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(solid_device_t), intent(in) :: gpu
         type(error_t), intent(inout) :: err
         real(rk) :: wave(size(solid%materials)), bulk(size(solid%materials))
@@ -81,7 +83,7 @@ contains
 
     !> A number of each material, for every particle.
     pure function of_bodies(solid, values) result(x)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         real(rk), intent(in) :: values(:)
         real(rk), allocatable :: x(:)
         integer :: b
@@ -138,7 +140,7 @@ contains
     !> memory for a moment.
     subroutine carry_fields(gpu, solid, puts, err)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(inout), target :: solid
+        class(listed_bodies_t), intent(inout), target :: solid
         logical, intent(in) :: puts !! else they come from the GPU
         type(error_t), intent(inout) :: err
         type(fields_t) :: fields
@@ -253,7 +255,7 @@ contains
     !> Where particles lie on the host, 0 where it does not have one. Those of other processes are
     !> where they were last, or not there.
     pure function places_of(solid, id, place, here) result(i)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer(int32), intent(in) :: id(:) !! numbers of particles
         integer, intent(in) :: place(:) !! where they were last
         logical, intent(in) :: here(:) !! of this process

@@ -17,7 +17,9 @@ module brz_gpu_solid_diagnostics
     use brz_kinds, only: dp, int64, rk
     use brz_ranks, only: least_of_all
     use brz_solid_launches, only: solid_kernels
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     implicit none
     private
     public :: add_held_impulse, boxes_of_all, fetch_accounts, fetch_limit, find_extent, &
@@ -28,7 +30,7 @@ contains
     !> Sums of the state of each body, of all processes.
     subroutine sum_states(gpu, solid, sums, err)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         real(dp), intent(out) :: sums(n_sum, size(gpu%bodies)) !! see sum_state
         type(error_t), intent(inout) :: err
         real(dp) :: own(n_sum, size(gpu%bodies)), all(n_sum*size(gpu%bodies))
@@ -69,7 +71,7 @@ contains
     !> Bring the energy accounts and the reactions of all bodies up to date.
     subroutine fetch_accounts(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         real(dp) :: diagnostics(n_diag, size(gpu%bodies))
         integer :: b
@@ -91,7 +93,7 @@ contains
         type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: b
         real(dp), intent(in) :: diag(n_diag)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
 
         associate (account => solid%bodies(b)%account, before => gpu%account(b))
             account%viscous = before%viscous + diag(diag_viscous)
@@ -126,7 +128,7 @@ contains
     !> Add the mean force of body b on what holds it in the last pass 2, and record its impulse.
     subroutine add_held_impulse(gpu, solid, b, dt, force, err)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! step just made [s]
         real(dp), intent(inout) :: force(3) !! [N]
@@ -161,7 +163,7 @@ contains
     !> Corners of some bodies at their positions `built`, where links are chosen by them.
     subroutine note_boxes(gpu, solid, which, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         logical, intent(in) :: which(:) !! (bodies)
         type(error_t), intent(inout) :: err
         real(dp) :: box(3, 2, size(which))
@@ -180,7 +182,7 @@ contains
     !> Corners of the bodies whose extents wait, of all processes.
     subroutine boxes_of_all(gpu, solid, box, err)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         real(dp), intent(out) :: box(:, :, :) !! (3, 2, bodies) [m]
         type(error_t), intent(inout) :: err
         real(dp) :: least(size(box))
@@ -201,7 +203,7 @@ contains
     !> last step have nothing of it.
     subroutine forget_gone(gpu, solid, b, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
         integer, allocatable :: columns(:)
@@ -223,7 +225,7 @@ contains
     !> Largest stable time step, as pass 1, contact and interfaces left it [s].
     subroutine fetch_limit(gpu, solid, err)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         real(dp) :: rate
 

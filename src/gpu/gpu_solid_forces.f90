@@ -8,7 +8,7 @@ module brz_gpu_solid_forces
     use brz_solid_device, only: solid_device_t
     use brz_kinds, only: dp, rk
     use brz_solid_launches, only: launch_solid_forces
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
     implicit none
     private
     public :: force_pass
@@ -18,7 +18,7 @@ contains
     !> Heat and energy accounts are those over dt, the step just made.
     subroutine force_pass(gpu, solid, dt, err)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
         integer :: b, load

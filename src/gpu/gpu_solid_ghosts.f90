@@ -12,7 +12,7 @@ module brz_gpu_solid_ghosts
     use brz_kinds, only: int64
     use brz_link_layout, only: n_press
     use brz_ranks, only: several
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
     implicit none
     private
     public :: offer_motion, take_motion, refresh_kept, refresh_motion, refresh_rows, &
@@ -24,7 +24,7 @@ contains
     !> these last.
     subroutine offer_motion(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
         if (.not. several(solid%ranks)) return
@@ -36,7 +36,7 @@ contains
     !> Places, velocities, volumes and smoothing lengths: what pass 1 reads.
     subroutine refresh_motion(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
         if (several(solid%ranks)) call gpu%ghosts%refresh(motion_of(gpu), err)
@@ -45,7 +45,7 @@ contains
     !> The same after the all-reduce.
     subroutine take_motion(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
         if (gpu%offered) then
@@ -75,7 +75,7 @@ contains
     !> look for it.
     subroutine refresh_rows(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         integer :: n
 
@@ -104,7 +104,7 @@ contains
     !> Which bonds are whole.
     subroutine refresh_bonds(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
         if (several(solid%ranks) .and. gpu%bonded) &
@@ -114,7 +114,7 @@ contains
     !> Which cohesive interfaces hold them.
     subroutine refresh_joined(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
         if (several(solid%ranks)) call gpu%ghosts%refresh([rows_of(gpu%links%joined, 1)], err)

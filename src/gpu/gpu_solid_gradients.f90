@@ -13,7 +13,8 @@ module brz_gpu_solid_gradients
     use brz_rigid_pose, only: resting_pose
     use brz_row_launches, only: row_kernels
     use brz_solid_launches, only: launch_advance_point, launch_solid_moments, solid_kernels
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
     public :: gradient_pass, renew_sleepers
@@ -26,7 +27,7 @@ contains
     !> the others.
     subroutine gradient_pass(gpu, solid, dt, err, of_sleepers)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
         logical, intent(in), optional :: of_sleepers
@@ -68,7 +69,7 @@ contains
     !> What contact gathers of the particles of body b.
     subroutine fill_rigid(gpu, solid, b, err)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
 
@@ -80,13 +81,13 @@ contains
         end associate
     end subroutine fill_rigid
 
-    !> Pass 1 of bodies that sleep, whose particles may be others now.
+    !> Pass 1 of bodies that sleep, where regions are cut anew: their particles may be others now.
     subroutine renew_sleepers(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
-        if (solid%part%recut) call gradient_pass(gpu, solid, 0.0_dp, err, of_sleepers=.true.)
+        call gradient_pass(gpu, solid, 0.0_dp, err, of_sleepers=.true.)
     end subroutine renew_sleepers
 
     !> Places and reference positions as pairs read them: in real64 they are these themselves. The

@@ -15,7 +15,7 @@ module brz_gpu_solid_links
     use brz_list_drift, only: begin_links, links_reach, may_link
     use brz_ranks, only: most_of_all, several
     use brz_solid_launches, only: solid_kernels
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_tie_launches, only: tie_kernels
     implicit none
     private
@@ -27,7 +27,7 @@ contains
 
     !> Reserve memory and copy what the laws between the bodies are.
     subroutine open_gpu_links(solid, gpu, err)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes
@@ -58,7 +58,7 @@ contains
     !> part where only few may be others, unless these no longer have room.
     subroutine build_links(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         integer :: met(size(solid%bodies), size(solid%bodies))
         integer(int64) :: all(size(met))
@@ -89,7 +89,7 @@ contains
     !> All links anew, with room behind them, as they may be built in part.
     subroutine link_all(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
         call clear_buffer(gpu%links%met, err)
@@ -104,7 +104,7 @@ contains
     !> all others.
     subroutine link_part(gpu, solid, fits, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         logical, intent(out) :: fits !! else there is no room behind them, and no list is right
         type(error_t), intent(inout) :: err
         integer :: b, filled
@@ -130,7 +130,7 @@ contains
     !> Choose the particles whose links with body b, or of which those in it, may be others.
     subroutine choose_by(gpu, solid, b, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
         integer :: a, everyone
@@ -168,7 +168,7 @@ contains
     !> Links are about to be built, for the drifts of now or, to resume, those that they had.
     subroutine settle_links(gpu, solid, resume, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         logical, intent(in) :: resume
         type(error_t), intent(inout) :: err
 
@@ -180,7 +180,7 @@ contains
     !> small ones leave the GPU empty.
     subroutine visit_bodies(gpu, solid, keep, some, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: keep !! see solid_link_search
         logical, intent(in) :: some
         type(error_t), intent(inout) :: err

@@ -11,7 +11,7 @@ module brz_gpu_solid_motion
     use brz_kinds, only: dp
     use brz_motion_launches, only: motion_kernels
     use brz_solid_launches, only: solid_kernels
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     implicit none
     private
     public :: record_first_half, size_particles, end_support
@@ -21,7 +21,7 @@ contains
     !> What driven bodies take up in the first half step.
     subroutine record_first_half(gpu, solid, dt, err)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
         real(dp) :: force(3)
@@ -36,7 +36,7 @@ contains
     !> Smoothing lengths that follow the density.
     subroutine size_particles(gpu, solid, err)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         integer :: b
 
@@ -53,7 +53,7 @@ contains
     !> gone.
     subroutine end_support(gpu, solid, anew, err)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         logical, intent(in) :: anew(:) !! (bodies) whose lists were built anew
         type(error_t), intent(inout) :: err
         integer :: b

@@ -18,7 +18,9 @@ module brz_gpu_solid_owner
     use brz_present_table, only: attach
     use brz_ranks, only: least_of_all
     use brz_send_lists, only: list_marks
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_solid_part, only: solid_part_t
     implicit none
     private
     public :: close_diagnostics, fetch_homes, find_boxes, find_lowest, list_leaving, put_region, &
@@ -29,7 +31,7 @@ contains
     !> Places that decide to which process the particles of body b belong.
     pure type(doubles_t) function owners_of(gpu, solid, b)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b
 
         owners_of = gpu%x_built
@@ -37,14 +39,15 @@ contains
     end function owners_of
 
     !> The lowest homes of particles of all processes, where planes of symmetry are; all must call.
-    subroutine find_lowest(gpu, solid, err)
+    subroutine find_lowest(gpu, solid, part, err)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(in) :: solid
+        type(solid_part_t), intent(inout) :: part
         type(error_t), intent(inout) :: err
         real(dp) :: box(3, 2, size(gpu%bodies)), lowest(3)
         integer :: b
 
-        solid%part%lowest = -huge(1.0_dp)
+        part%lowest = -huge(1.0_dp)
         if (.not. any(solid%mirror)) return
         do b = 1, size(gpu%bodies)
             call find_extent(gpu, b, owners_of(gpu, solid, b), err)
@@ -52,14 +55,15 @@ contains
         call gpu%common%read_boxes(box, err)
         lowest = minval(box(:, 1, :), 2)
         call least_of_all(solid%ranks, lowest)
-        where (solid%mirror) solid%part%lowest = lowest
+        where (solid%mirror) part%lowest = lowest
     end subroutine find_lowest
 
     !> Boxes that the particles of each body fill in each process, where links want them; all must
     !> call.
-    subroutine find_boxes(gpu, solid, err)
+    subroutine find_boxes(gpu, solid, part, err)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(in) :: solid
+        type(solid_part_t), intent(inout) :: part
         type(error_t), intent(inout) :: err
         real(dp) :: box(3, 2, size(gpu%bodies))
         integer :: b
@@ -69,7 +73,7 @@ contains
             call find_extent(gpu, b, gpu%x_built, err)
         end do
         call gpu%common%read_boxes(box, err)
-        call tell_boxes(solid%ranks, box, solid%part%boxes)
+        call tell_boxes(solid%ranks, box, part%boxes)
     end subroutine find_boxes
 
     !> The regions of all processes, where they are others than the GPU has.
@@ -96,7 +100,7 @@ contains
     !> The homes of particles first..last of body b.
     subroutine fetch_homes(gpu, solid, b, first, last, x, err)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b, first, last
         real(dp), intent(inout), contiguous :: x(:, :) !! (4, last - first + 1) [m]
         type(error_t), intent(inout) :: err
@@ -106,14 +110,16 @@ contains
     end subroutine fetch_homes
 
     !> The marked particles, on the host.
-    subroutine list_leaving(solid, number, leaving, err)
-        type(solid_t), intent(inout) :: solid
+    subroutine list_leaving(gpu, n, part, number, leaving, err)
+        type(solid_device_t), intent(inout) :: gpu
+        integer, intent(in) :: n !! particles
+        type(solid_part_t), intent(inout) :: part
         integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
         type(message_buffers_t), intent(inout) :: leaving
         type(error_t), intent(inout) :: err
 
-        associate (gone => solid%device%ghosts%gone)
-            call list_marks(.true., solid%n, number, solid%part%marks_t, gone, err)
+        associate (gone => gpu%ghosts%gone)
+            call list_marks(.true., n, number, part%marks_t, gone, err)
             leaving%first = gone%first
             allocate (leaving%place(sum(number)), source=0)
             call read_first(.true., int(sum(number)), gone%place, leaving%place, err)
@@ -141,7 +147,7 @@ contains
     !> The diagnostics of bodies whose particles change: what places have summed goes to the host.
     subroutine close_diagnostics(gpu, solid, changed, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         logical, intent(in) :: changed(:) !! (bodies)
         type(error_t), intent(inout) :: err
         integer :: b, c
@@ -162,7 +168,7 @@ contains
     !> Kernels get to know where bodies lie. What lies behind the particles limits no time step.
     subroutine settle_places(gpu, solid, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         integer :: b
 

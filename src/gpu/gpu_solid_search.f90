@@ -26,7 +26,9 @@ module brz_gpu_solid_search
     use brz_pair_layout, only: n_pair
     use brz_ranks, only: several, sum_of_all
     use brz_solid_launches, only: solid_kernels
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_solid_part, only: solid_part_t
     use brz_tallies, only: tally_threads
     implicit none
     private
@@ -41,7 +43,7 @@ contains
     !> bodies whose lists are not those of `built` have cells for links alone.
     subroutine build_list(gpu, solid, b, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
         type(doubles_t) :: place
@@ -66,7 +68,7 @@ contains
     !> positions `built`.
     subroutine sort_body(gpu, solid, b, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
 
@@ -79,9 +81,10 @@ contains
     !> Give new places to the particles of body b that have moved far, mark the cells of the old and
     !> the new ones, and count them; then 1 if any are outside the region of their process, and by
     !> more than they may.
-    subroutine renew_places(gpu, solid, b, moved, err)
+    subroutine renew_places(gpu, solid, part, b, moved, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
+        type(solid_part_t), intent(in) :: part
         integer, intent(in) :: b
         integer(int64), intent(out) :: moved(3) !! particles of this process
         type(error_t), intent(inout) :: err
@@ -94,8 +97,8 @@ contains
         call renew(gpu%bodies(b)%first, gpu%bodies(b)%last, 1)
         found = 0
         associate (body => gpu%bodies(b), n => size(solid%search%start))
-            if (solid%part%keeps) then
-                call put_region(gpu, solid%part%region, err)
+            if (part%keeps) then
+                call put_region(gpu, part%region, err)
                 call owner_kernels%note_outside(body%last - body%first + 1, body%first, 4, &
                     solid%ranks%rank, most_outside(solid), gpu%region_at, gpu%built, &
                     from(body%marked, n + 3_int64), err)
@@ -123,7 +126,7 @@ contains
     !> Lay the cells of the list of body b, none of which is marked. Four counts follow.
     subroutine unmark_cells(gpu, solid, b, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
 
@@ -138,7 +141,7 @@ contains
     !> that is new.
     subroutine choose_lists(gpu, solid, b, news, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         integer, intent(in) :: news !! the last of its ghosts that are new
         type(error_t), intent(inout) :: err
@@ -158,7 +161,7 @@ contains
     !> Mean velocity of the mass of body b at the step [m/s].
     subroutine mean_velocity(gpu, solid, b, v, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b
         real(dp), intent(out) :: v(3)
         type(error_t), intent(inout) :: err
@@ -184,7 +187,7 @@ contains
     !> unloaded ones.
     subroutine note_positions(gpu, solid, b, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
         type(doubles_t) :: places
@@ -202,7 +205,7 @@ contains
     !> ghosts into them, in `order`; those of a cell in the order of their numbers.
     subroutine order_body(gpu, solid, b, place, reach, err, kept)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         real(dp), intent(in) :: reach !! side of a cell [m]
@@ -218,7 +221,7 @@ contains
     !> left the region is put behind all cells, into as many as these, by its numbers.
     subroutine fill_cells(gpu, solid, b, place, reach, by_number, err, kept)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         real(dp), intent(in) :: reach !! side of a cell [m]
@@ -265,7 +268,7 @@ contains
     !> them to the GPU.
     subroutine lay_cells(gpu, solid, b, place, reach, err, kept)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         real(dp), intent(in) :: reach !! [m]

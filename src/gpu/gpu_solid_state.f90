@@ -27,6 +27,9 @@ module brz_gpu_solid_state
     use brz_solid_device, only: body_device_t, solid_device_t
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
     use brz_solid_places, only: whole_lanes
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_solid_state, only: solid_t
     use brz_tallies, only: tally_threads
     use brz_text, only: to_text
@@ -89,7 +92,7 @@ contains
     !> Arrays for gpu%n places, and what the old ones hold of the bodies.
     subroutine lay_arrays(gpu, solid, old, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: old(:) !! (bodies) where they began
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes
@@ -105,7 +108,7 @@ contains
     !> Count the bytes of the arrays of the particles, and lay them all.
     subroutine walk(gpu, solid, lays, old, bytes, err)
         type(solid_device_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         logical, intent(in) :: lays !! else they are only counted
         integer, intent(in) :: old(:) !! see lay_arrays
         integer(int64), intent(out) :: bytes
@@ -304,7 +307,7 @@ contains
 
     !> Number the columns of `state`.
     subroutine number_columns(solid, loaded, gpu)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         logical, intent(in) :: loaded
         type(solid_device_t), intent(inout) :: gpu
         type(fields_t) :: fields
@@ -323,7 +326,7 @@ contains
     !> Refuse a scene that does not fit, before anything is reserved.
     subroutine require(device, solid, gpu, err)
         type(device_t), intent(in) :: device
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes

@@ -30,6 +30,7 @@ module brz_checkpoint
     use brz_seal, only: check_seal
     use brz_solid_diagnostics, only: keep_diagnostics_of_first
     use brz_solid_owner, only: hold_all, share_out
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_solid_state, only: solid_t
     use brz_together, only: end_bodies, together_t
     use brz_version, only: precision
@@ -54,7 +55,7 @@ contains
         type(clock_t), intent(inout) :: clock
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: coupling
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         real(dp), intent(inout) :: sums(:) !! what the step remembers besides
         type(error_t), intent(inout) :: err
         type(h5_t) :: file
@@ -157,7 +158,7 @@ contains
         type(h5_t), intent(in) :: file
         type(clock_t), intent(inout) :: clock
         type(coupling_t), intent(inout) :: coupling
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         real(dp), intent(inout) :: sums(:)
         type(error_t), intent(inout) :: err
 

@@ -9,7 +9,7 @@ module brz_checkpoint_check
     use brz_errors, only: error_t, exit_io, failed, raise
     use brz_kinds, only: dp, int32
     use brz_particle_marks, only: is_gone
-    use brz_solid_state, only: solid_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     implicit none
     private
     public :: check_state
@@ -22,7 +22,7 @@ contains
         type(clock_t), intent(in) :: clock
         type(air_t), intent(in) :: air
         type(coupling_t), intent(in) :: coupling
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         character(:), allocatable :: name
 
@@ -71,7 +71,7 @@ contains
     end subroutine check_clock
 
     subroutine check_solid(solid, name)
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         character(:), allocatable, intent(inout) :: name
         logical, allocatable :: there(:)
         integer :: b, i

@@ -22,7 +22,9 @@ module brz_checkpoint_state
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_integer, &
         is_short, is_single
     use brz_scheme, only: max_var
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_text, only: to_text
     implicit none
     private
@@ -60,7 +62,7 @@ contains
 
     subroutine carry_solid(file, solid, err)
         type(h5_t), intent(in) :: file
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
         call carry(file, 'solid/time', solid%time, err)
@@ -80,7 +82,7 @@ contains
     !> Forces and impulses between two bodies; from zero where the deck asks for them only now.
     subroutine carry_body_pair_force(file, solid, err)
         type(h5_t), intent(in) :: file
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         character(:), allocatable :: name
         real(dp) :: state(6)
@@ -105,7 +107,7 @@ contains
     !> of them `cut`.
     subroutine carry_fields(file, solid, err)
         type(h5_t), intent(in) :: file
-        type(solid_t), intent(inout), target :: solid
+        class(listed_bodies_t), intent(inout), target :: solid
         type(error_t), intent(inout) :: err
         type(fields_t) :: fields
         integer :: k
@@ -160,7 +162,7 @@ contains
     !> get, its energy account.
     subroutine carry_bodies(file, solid, err)
         type(h5_t), intent(in) :: file
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         type(energy_account_t), parameter :: empty = energy_account_t()
         integer, parameter :: n = size(transfer(empty, [0.0_dp])) ! all components are real(dp)
@@ -191,7 +193,7 @@ contains
     !> What the lists are measured by.
     subroutine carry_drifts(file, solid, err)
         type(h5_t), intent(in) :: file
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         real(dp) :: state(6, size(solid%bodies)), cells(7, size(solid%bodies))
         real(dp) :: apart(3*size(solid%bodies), size(solid%bodies))
@@ -224,7 +226,7 @@ contains
     !> The motion of rigid and driven bodies.
     subroutine carry_rigid(file, solid, err)
         type(h5_t), intent(in) :: file
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         real(dp) :: state(34, size(solid%bodies))
         integer :: b

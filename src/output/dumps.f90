@@ -12,7 +12,7 @@ module brz_dumps
     use brz_ranks, only: several
     use brz_series, only: add_to_series, cut_series, open_series, series_t
     use brz_solid_dump, only: write_solid_dump
-    use brz_solid_state, only: solid_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_together, only: end_bodies, together_t
     implicit none
     private
@@ -74,7 +74,7 @@ contains
         type(clock_t), intent(in) :: clock
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         type(meta_t) :: meta
         character(:), allocatable :: path

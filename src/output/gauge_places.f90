@@ -3,7 +3,7 @@
 module brz_gauge_places
     use brz_kinds, only: dp
     use brz_ranks, only: bits_of_all, least_of_all, several
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     use brz_wide_lattice, only: unloaded_place
     implicit none
     private
@@ -13,7 +13,7 @@ contains
 
     !> The particle of the body that is nearest to a place; the lowest number among equals.
     subroutine choose_particle(solid, body, at, particle, place)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: body
         real(dp), intent(in) :: at(3) !! in the unloaded body [m]
         integer, intent(out) :: particle, place !! its number, where it lies if this process has it
@@ -42,7 +42,7 @@ contains
     !> Strain between two particles: change of their distance over that in the unloaded body. Each
     !> is known to one process (place 0: another one's), the strain to all, by the same bits.
     real(dp) function strain_between(solid, body, place) result(strain)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: body, place(2)
         real(dp) :: now(6), unloaded(6) !! one after the other [m]
         integer :: k

@@ -25,7 +25,8 @@ module brz_gauges
     use brz_particle_order, only: find_place
     use brz_ranks, only: bits_of_all, several, sum_of_all
     use brz_force_driver, only: n_forces
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_solid_sums, only: velocity_at_step
     use brz_wide_lattice, only: unloaded_place
     implicit none
@@ -63,7 +64,7 @@ contains
     !> Gauges of a scene. The particles must have their places in the unloaded body (x_ref).
     subroutine set_up_gauges(case, solid, gauges, err)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         type(gauges_t), intent(out) :: gauges
         type(error_t), intent(inout) :: err
         integer :: g
@@ -99,7 +100,7 @@ contains
     subroutine set_up_gauge(input, with_air, solid, gauge, err)
         type(gauge_case_t), intent(in) :: input
         logical, intent(in) :: with_air
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         type(gauge_t), intent(inout) :: gauge
         type(error_t), intent(inout) :: err
         integer :: q
@@ -139,7 +140,7 @@ contains
     !> The two bodies of a force between them: they must meet by contact.
     subroutine find_pair(input, solid, pair, err)
         type(gauge_case_t), intent(in) :: input
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         integer, intent(out) :: pair
         type(error_t), intent(inout) :: err
         logical :: meets
@@ -159,7 +160,7 @@ contains
     !> A force on what holds a body needs that.
     subroutine find_support(input, solid, err)
         type(gauge_case_t), intent(in) :: input
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         integer(int64) :: held(1)
 
@@ -180,7 +181,7 @@ contains
     !> The other end of a strain gauge.
     subroutine find_end(input, solid, gauge, err)
         type(gauge_case_t), intent(in) :: input
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(gauge_t), intent(inout) :: gauge
         type(error_t), intent(inout) :: err
 
@@ -193,7 +194,7 @@ contains
     !> The slot of a quantity in the history of the material.
     subroutine find_slot(input, solid, gauge, err)
         type(gauge_case_t), intent(in) :: input
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(gauge_t), intent(inout) :: gauge
         type(error_t), intent(inout) :: err
         character(32) :: names(n_hist)
@@ -269,7 +270,7 @@ contains
         real(dp), intent(in) :: time !! [s]
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         real(dp), intent(out) :: row(:) !! (n + 1)
         real(dp) :: state(5)
         integer :: g, m
@@ -303,7 +304,7 @@ contains
     subroutine early_gauge_row(gauges, seen, solid, row)
         type(gauges_t), intent(inout) :: gauges
         real(dp), intent(in) :: seen(:, :) !! (5, n) density, velocity, pressure
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         real(dp), intent(inout) :: row(:) !! (n + 1)
         integer :: g
 
@@ -321,7 +322,7 @@ contains
 
     !> What a gauge of a body measures.
     real(dp) function value_of_body(solid, gauge) result(value)
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         type(gauge_t), intent(inout) :: gauge
         integer :: k
 
@@ -362,7 +363,7 @@ contains
 
     !> Velocities are those at the time of the step.
     pure real(dp) function value_of_particle(solid, gauge) result(value)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(gauge_t), intent(in) :: gauge
         real(dp) :: known(8), d(3), v(3)
 

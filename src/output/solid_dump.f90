@@ -15,7 +15,8 @@ module brz_solid_dump
     use brz_material, only: n_hist
     use brz_materials, only: history_names
     use brz_meta, only: meta_t
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_solid_sums, only: velocity_at_step
     use brz_wide_lattice, only: unloaded_place
     use brz_vtkhdf, only: begin_dump, end_dump, root, write_field
@@ -34,7 +35,7 @@ contains
     !> Write the particles to `path`.
     subroutine write_solid_dump(path, solid, materials, meta, err)
         character(*), intent(in) :: path
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         character(*), intent(in) :: materials(:) !! names of them
         type(meta_t), intent(in) :: meta
         type(error_t), intent(inout) :: err
@@ -56,7 +57,7 @@ contains
 
     !> The particles in the order of their numbers.
     subroutine order_by_number(solid, rows)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(dump_rows_t), intent(out) :: rows
         integer, allocatable :: place(:)
         integer :: body(solid%n), b, i
@@ -76,7 +77,7 @@ contains
     !> Position, in real64: bodies may lie far from the origin. And who is who.
     subroutine write_points(file, solid, rows, err)
         type(h5_t), intent(in) :: file
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(dump_rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
         real(real64) :: x(3, rows%n)
@@ -136,7 +137,7 @@ contains
     !> Velocity at the step and displacement from the unloaded body.
     subroutine write_motion(file, solid, rows, err)
         type(h5_t), intent(in) :: file
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(dump_rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
         real(real32) :: v(3, rows%n), d(3, rows%n)
@@ -156,7 +157,7 @@ contains
     !> Stress with its invariants, mass, density and volume, damage and energy.
     subroutine write_stress(file, solid, rows, err)
         type(h5_t), intent(in) :: file
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(dump_rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
         real(real32) :: stress(6, rows%n)
@@ -203,7 +204,7 @@ contains
     !> field data the points themselves, at the particle of their near side in the unloaded body.
     subroutine write_interfaces(file, solid, rows, err)
         type(h5_t), intent(in) :: file
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         type(dump_rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
         real(real32), allocatable :: field(:)
@@ -238,7 +239,7 @@ contains
     !> Named history variables: each name once, filled in by every body whose material has it.
     subroutine write_history(file, solid, rows, err)
         type(h5_t), intent(in) :: file
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(dump_rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
         character(32) :: names(n_hist, size(solid%materials))
@@ -261,7 +262,7 @@ contains
 
     !> One history variable by name; 0 where a material has none of it.
     subroutine gather_history(solid, rows, names, name, field)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(dump_rows_t), intent(in) :: rows
         character(*), intent(in) :: names(:, :) !! (slot, material)
         character(*), intent(in) :: name

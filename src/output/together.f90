@@ -11,7 +11,8 @@ module brz_together
     use brz_message_exchange, only: message_exchange_t
     use brz_ranks, only: several
     use brz_solid_gather, only: begin_gather, end_gather
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     implicit none
     private
     public :: together_t, begin_bodies, begin_state, end_bodies
@@ -19,7 +20,7 @@ module brz_together
     type :: together_t
         character(:), allocatable :: folder !! of the results
         logical :: by_files = .false. !! copies of the processes write: they cannot send messages
-        type(solid_t), allocatable :: whole !! the bodies of all, in the first process
+        type(interacting_bodies_t), allocatable :: whole !! the bodies of all, in the first process
         integer(int64), allocatable :: in(:, :) !! particles that come: see begin_gather
         type(coupling_t), allocatable :: all !! diagnostics and deferred sources of all, in the
                                              !! first
@@ -32,7 +33,7 @@ contains
     !> For a dump or a checkpoint. All must call.
     subroutine begin_bodies(together, solid)
         type(together_t), intent(inout) :: together
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
 
         if (.not. (solid%present .and. several(solid%ranks))) return
         if (allocated(together%whole)) deallocate (together%whole)
@@ -56,7 +57,7 @@ contains
     !> Gather the particles for a file: by messages, then all must call; or by files beside it.
     subroutine end_bodies(together, solid, path, sorted, err)
         type(together_t), intent(inout) :: together
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         character(*), intent(in) :: path !! of the file
         logical, intent(in) :: sorted !! see end_gather
         type(error_t), intent(inout) :: err

@@ -20,6 +20,9 @@ program bench_solid
     use brz_solid_gradients, only: gradient_pass
     use brz_solid_arrays, only: group_of
     use brz_solid_list_driver, only: build_neighbours
+    use brz_particles, only: particles_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step, start_solid
     use brz_solid_driver, only: solid_step
@@ -96,7 +99,7 @@ contains
     !> What these times mean: throughput, and each pass beside its floors.
     subroutine compare(scene, solid, best)
         type(bench_scene_t), intent(in) :: scene
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: best(n_part) !! per particle [s]
         real(dp) :: pairs, turns, bytes
 
@@ -118,7 +121,7 @@ contains
 
     !> Pairs within the support of the kernel, per particle.
     real(dp) function count_pairs(solid)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         real(dp) :: d(3)
         integer(int64) :: k, n
         integer :: g, i
@@ -136,7 +139,7 @@ contains
 
     !> Bytes of state that both passes and the kick read and write, per particle.
     real(dp) function moved(solid)
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         integer :: wide, working
 
         wide = 2*3 + 2*3 ! x in both passes; x in the kick
@@ -177,7 +180,7 @@ contains
     !> A cube with a spacing of 1 mm that is sheared and turns.
     subroutine make_cube(scene, solid, err)
         type(bench_scene_t), intent(in) :: scene
-        type(solid_t), intent(out) :: solid
+        class(interacting_bodies_t), intent(out) :: solid
         type(error_t), intent(inout) :: err
         type(case_t) :: case
 

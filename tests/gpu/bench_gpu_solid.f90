@@ -15,6 +15,7 @@ program bench_gpu_solid
         update_material
     use brz_gpu_solid_diagnostics, only: fetch_limit
     use brz_kinds, only: dp, int64, rk
+    use brz_particles, only: particles_t
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step
     use gpu_scenes, only: make_solid
@@ -80,7 +81,7 @@ contains
     !> Neighbours and memory, in words.
     function words_of(gpu, solid) result(text)
         type(solid_device_t), intent(in) :: gpu
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         character(80) :: text
         integer, allocatable :: count(:)
 

@@ -17,6 +17,8 @@ module gpu_coupled_scene
     use brz_kinds, only: dp, int64, int8, rk
     use brz_lists, only: at_least
     use brz_present_table, only: buffer_of
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
     use brz_solid_state, only: solid_t
     use gpu_tools, only: get_device
     implicit none
@@ -138,7 +140,7 @@ contains
     subroutine make_particles(air, n, solid)
         type(air_t), intent(in) :: air
         integer, intent(in) :: n
-        type(solid_t), intent(out) :: solid
+        class(particles_t), intent(out) :: solid
         integer :: p, d
 
         solid%present = .true.
@@ -164,7 +166,7 @@ contains
 
     !> Four bodies: rigid, with driven particles, rigid and driven, free.
     subroutine make_bodies(solid)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         integer :: b, i
 
         allocate (solid%bodies(4), solid%block(3, 8))

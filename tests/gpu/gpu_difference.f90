@@ -3,7 +3,7 @@
 module gpu_difference
     use brz_kinds, only: dp, rk
     use brz_solid_fields, only: fields_of, fields_t, is_integer, numbers_of
-    use brz_solid_state, only: solid_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     implicit none
     private
     public :: difference
@@ -13,7 +13,7 @@ contains
     !> Largest difference of two states, each field relative to its largest value; what is counted
     !> must be the same.
     real(dp) function difference(a, b)
-        type(solid_t), intent(inout), target :: a, b
+        class(interacting_bodies_t), intent(inout), target :: a, b
         type(fields_t) :: ours, theirs
         real(dp), allocatable :: p(:, :), q(:, :)
         integer :: k

@@ -11,6 +11,7 @@ module gpu_scenes
     use brz_key_table, only: all_keys
     use brz_kinds, only: rk
     use brz_scanner, only: read_deck
+    use brz_particles, only: particles_t
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: start_solid
     use brz_text, only: string_t, to_text
@@ -69,7 +70,7 @@ contains
     end subroutine make_solid
     !> Give every particle a velocity of its own.
     subroutine stir(solid, speed)
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         real(rk), intent(in) :: speed !! [m/s]
         integer, allocatable :: seed(:)
         real(rk) :: x(3)

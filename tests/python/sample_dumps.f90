@@ -10,7 +10,8 @@ program sample_dumps
     use brz_material, only: material_t
     use brz_output_folder, only: folder_fresh, prepare_folder
     use brz_solid_arrays, only: allocate_solid
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_together, only: together_t
     implicit none
     character(200) :: folder
@@ -33,7 +34,7 @@ contains
         type(together_t) :: together
         type(air_t) :: air
         type(wall_t) :: wall
-        type(solid_t) :: solid
+        type(interacting_bodies_t) :: solid
         type(error_t) :: err
         integer :: step
 
@@ -101,7 +102,7 @@ contains
 
     !> Bodies of 3 and 4 particles whose numbers run backwards.
     subroutine fill_solid(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer :: i
 
         solid%present = .true.

@@ -114,6 +114,17 @@ def test_what_keeps_the_rules_passes(tmp_path):
     assert "first line must be" in structure(tmp_path)[1]
 
 
+def test_users_of_the_whole_state_are_counted(tmp_path):
+    put(tmp_path, "solid/state/solid_state.f90")
+    for k in range(59):
+        put(tmp_path, f"driver/user_{k:02}.f90", use="use brz_solid_state, only: solid_t")
+    assert structure(tmp_path) == (0, "")
+    put(tmp_path, "driver/user_59.f90", use="use brz_solid_state, only: solid_t")
+    code, text = structure(tmp_path)
+    assert code != 0
+    assert "user_59.f90:3: 60 files use brz_solid_state; at most 59" in text
+
+
 def test_long_prose_is_named_and_tables_are_not(tmp_path):
     page = tmp_path / "docs/sub/page.md"
     page.parent.mkdir(parents=True)

@@ -4,6 +4,7 @@
 module drawn_bodies
     use brz_body_setup, only: set_up_solid
     use brz_kinds, only: dp, rk
+    use brz_particles, only: particles_t
     use brz_solid_state, only: solid_t
     use solid_bodies, only: sound_pieces
     use brz_errors, only: failed
@@ -74,7 +75,7 @@ contains
     !> Which particles lie within `far` of the plane x = 0 in the unloaded body, and their mean
     !> stretch less 1.
     subroutine look(solid, far, middle, strain)
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         real(dp), intent(in) :: far !! [m]
         logical, intent(out) :: middle(:)
         real(dp), intent(out) :: strain

@@ -7,7 +7,7 @@ module layered_bodies
     use brz_kinds, only: dp, rk
     use brz_pair_layout, only: pair_affine
     use brz_solid_gradients, only: gradient_pass
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
     use brz_solid_start, only: solid_time_step, start_solid
     use brz_solid_driver, only: solid_step
     use solid_scenes, only: metal, noise, solid_scene_t
@@ -133,7 +133,7 @@ contains
     !> Largest difference in place and stress of particles that started at the same place; huge
     !> where one has no partner.
     real(dp) function difference(whole, part)
-        type(solid_t), intent(in) :: whole, part
+        class(particles_t), intent(in) :: whole, part
         integer :: i, j, n
 
         difference = 0

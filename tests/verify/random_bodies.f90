@@ -6,7 +6,7 @@
 module random_bodies
     use brz_air_state, only: air_t
     use brz_kinds, only: dp, rk
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
     use dice, only: dice_t
     implicit none
     private
@@ -29,7 +29,7 @@ contains
         type(air_t), intent(in) :: air
         real(dp), intent(in) :: rest, sound !! density and speed of sound of the gas at rest
         type(dice_t), intent(inout) :: random
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         type(drawn_body_t), allocatable, intent(out) :: bodies(:)
         real(dp), intent(out) :: speed !! [m/s]
         integer :: b, p
@@ -57,7 +57,7 @@ contains
         type(air_t), intent(in) :: air
         real(dp), intent(in) :: rest, sound !! density and speed of sound of the gas at rest
         type(dice_t), intent(inout) :: random
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         type(drawn_body_t), intent(out) :: body
         real(dp) :: across, angle, half(3), size(3), spacing, speed
         integer :: d
@@ -98,7 +98,7 @@ contains
     subroutine add_particles(air, centre, half, spacing, angle, density, solid)
         type(air_t), intent(in) :: air
         real(dp), intent(in) :: centre(3), half(3), spacing, angle, density
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         real(dp) :: axis(3, 3), volume, x(3)
         integer :: i, j, k, n(3)
 
@@ -124,7 +124,7 @@ contains
     subroutine start_body(air, random, solid, body)
         type(air_t), intent(in) :: air
         type(dice_t), intent(inout) :: random
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         type(drawn_body_t), intent(inout) :: body
         integer :: d, p
 
@@ -147,7 +147,7 @@ contains
         type(air_t), intent(in) :: air
         type(drawn_body_t), intent(in) :: bodies(:)
         real(dp), intent(in) :: t !! [s]
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         real(dp) :: out(3), v(3)
         integer :: b, p
 
@@ -174,7 +174,7 @@ contains
         type(air_t), intent(in) :: air
         real(dp), intent(in) :: t, dt !! [s]
         type(drawn_body_t), intent(inout) :: bodies(:)
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         real(dp) :: force(3), out(3), torque(3), turned(3), v(3)
         integer :: b, p
 

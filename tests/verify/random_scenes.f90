@@ -13,7 +13,7 @@ module random_scenes
     use brz_gas, only: to_conserved
     use brz_kinds, only: dp, rk
     use brz_scheme, only: first_order, hllc, muscl_cells, steger_warming, weno3_cells, weno5z_cells
-    use brz_solid_state, only: solid_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use dice, only: dice_t
     use gas_tools, only: least_gas
     use random_bodies, only: drawn_body_t, draw_bodies, move_bodies
@@ -27,7 +27,7 @@ module random_scenes
 
     type :: random_scene_t
         type(air_t) :: air
-        type(solid_t) :: solid
+        type(interacting_bodies_t) :: solid
         type(coupling_t) :: coupling
         type(drawn_body_t), allocatable :: bodies(:)
         character(200) :: what = '' !! it is

@@ -13,6 +13,8 @@ module shared_steps
     use brz_load_driver, only: load_all_faces => load_faces
     use brz_solid_list_driver, only: build_all_neighbours => build_neighbours
     use brz_solid_start, only: resume_all => resume_solid
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: n_sum, solid_totals_t, totals_of_sums
     use brz_total_driver, only: sums_of_bodies
@@ -55,7 +57,7 @@ contains
 
     !> As brz_load_driver has it.
     subroutine load_faces(solid, dt)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t) :: err
 
@@ -100,7 +102,7 @@ contains
     !> As brz_exchange_driver has it, and those that follow.
     subroutine set_wall_velocity(air, solid, coupling, dt)
         type(air_t), intent(in) :: air
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: dt !! [s]
         type(error_t) :: err
@@ -110,7 +112,7 @@ contains
     end subroutine set_wall_velocity
 
     subroutine spread_load(solid, coupling, dt)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: dt !! [s]
         type(error_t) :: err
@@ -120,7 +122,7 @@ contains
     end subroutine spread_load
 
     subroutine wake_loaded(solid, coupling, dt)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: dt !! [s]
         type(error_t) :: err
@@ -131,7 +133,7 @@ contains
 
     subroutine reclassify(air, solid, coupling)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(inout) :: solid !! read
+        class(listed_bodies_t), intent(inout) :: solid !! read
         type(coupling_t), intent(inout) :: coupling
         type(error_t) :: err
 

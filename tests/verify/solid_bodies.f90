@@ -5,7 +5,7 @@ module solid_bodies
     use brz_body_setup, only: set_up_solid
     use brz_errors, only: failed
     use brz_kinds, only: dp, rk
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     use solid_scenes, only: advance, begin, choose, finish, form_t, metal, solid_scene_t, &
         solid_result_t
     use shared_steps, only: solid_totals, solid_totals_t
@@ -181,7 +181,7 @@ contains
 
     !> Body of each particle.
     pure function owner(solid) result(body)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer :: body(solid%n), b
 
         do b = 1, size(solid%bodies)
@@ -191,7 +191,7 @@ contains
 
     !> Heaps of particles of one body that hang together by distances below `reach` spacings.
     integer function pieces(solid, reach)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         real(dp), intent(in) :: reach
         integer :: heap(solid%n)
 
@@ -201,7 +201,7 @@ contains
 
     !> Pieces in which there is metal that is less than half damaged.
     integer function sound_pieces(solid)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer :: heap(solid%n), k
 
         call heaps(solid, 1.6_dp, heap)
@@ -210,7 +210,7 @@ contains
 
     !> Number of the heap of each particle.
     subroutine heaps(solid, reach, heap)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         real(dp), intent(in) :: reach
         integer, intent(out) :: heap(:)
         integer :: queue(solid%n), b, i, j, n, head, tail

@@ -8,6 +8,7 @@ module solid_scenes
     use brz_case, only: case_t
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp, rk
+    use brz_bodies, only: bodies_t
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step, start_solid
     use brz_solid_driver, only: solid_step
@@ -157,7 +158,7 @@ contains
 
     !> Longest and shortest distance, over the spacing, of particles that were lattice neighbours.
     subroutine links(solid, longest, shortest)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         real(dp), intent(out) :: longest, shortest
         real(dp) :: d, y(3), far
         integer :: b, i, j

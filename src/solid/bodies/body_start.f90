@@ -7,7 +7,8 @@ module brz_body_start
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kinds, only: dp, rk
     use brz_particle_marks, only: is_fixed
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
     use brz_support, only: is_kept, kept_along
     use brz_text, only: to_text
     use brz_threads, only: worth_threads
@@ -29,7 +30,7 @@ contains
     subroutine move_body(input, shape, solid, body)
         type(body_case_t), intent(in) :: input
         type(shape_t), intent(in) :: shape
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp) :: centre(3), r(3), w(3), v(3)
         integer :: i
@@ -55,7 +56,7 @@ contains
     subroutine hold_body(input, shape, solid, body, found)
         type(body_case_t), intent(in) :: input
         type(shape_t), intent(in) :: shape
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         type(held_t), intent(inout) :: found !! added to
         logical :: fixes(8), held(2, 3), here, loose, rolls(8), whole
@@ -109,7 +110,7 @@ contains
     subroutine judge_held(input, found, solid, err)
         type(body_case_t), intent(in) :: input
         type(held_t), intent(in) :: found
-        type(solid_t), intent(inout) :: solid !! its notes
+        class(bodies_t), intent(inout) :: solid !! its notes
         type(error_t), intent(inout) :: err
         integer :: f
 

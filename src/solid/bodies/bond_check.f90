@@ -5,7 +5,7 @@ module brz_bond_check
     use brz_cell_grid, only: cell_span, extent, fill_cells, lay_grid, number_of_cell
     use brz_interaction_setup, only: rule_of
     use brz_kinds, only: dp, real32
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_text, only: to_text
     implicit none
     private
@@ -17,7 +17,7 @@ contains
     !> particles are placed. Beyond the support of the kernel a bond would hold nothing.
     subroutine judge_bonds(case, solid)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(inout) :: solid !! its search tables are overwritten
+        class(listed_bodies_t), intent(inout) :: solid !! its search tables are overwritten
         real(dp) :: apart, box(3, 2, size(solid%bodies)), gap, reach
         integer :: a, b, k, nearest(2)
 
@@ -66,7 +66,7 @@ contains
         integer, intent(in) :: k !! rule
         integer, intent(in) :: pair(2) !! the bodies that are nearest to each other
         real(dp), intent(in) :: apart !! [m]
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
 
         associate (reach => 2*solid%links%table(pair(1), pair(2))%h)
             solid%notes = solid%notes//label('interaction', '', case%interactions(k)%place)// &
@@ -89,7 +89,7 @@ contains
     !> True where a particle of body a and one of body b are nearer than `reach`. Cells are laid
     !> over the smaller one.
     logical function any_within(solid, a, b, reach)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: a, b
         real(dp), intent(in) :: reach !! [m]
         integer :: i, large, small
@@ -112,7 +112,7 @@ contains
 
     !> True where a particle in the cells is nearer than `reach`.
     pure logical function has_near(solid, x, reach)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         real(dp), intent(in) :: x(3), reach !! [m]
         integer :: c, c1, c2, c3, k, lo(3), hi(3)
 

@@ -17,7 +17,7 @@ module brz_contact_surface
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, real32, rk
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_stl, only: nearest_on
     implicit none
     private
@@ -32,7 +32,7 @@ contains
     !> Weights and sums at first touch of the particles of bodies whose surface is known, from the
     !> unloaded ones.
     subroutine find_contact_surface(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         real(dp), allocatable :: depth(:), n(:, :)
         integer :: b, i
 
@@ -64,7 +64,7 @@ contains
     !> Depths of the particles of a body below its triangles, and the outward normals there; those
     !> far inside are as deep as can be.
     subroutine reach_surface(solid, body, depth, n)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(out) :: depth(body%first:), n(:, body%first:)
         real(dp) :: away(3), low(3), high(3), reach
@@ -121,7 +121,7 @@ contains
 
     !> Weights with which the sum of body b is 1 half a spacing outside its surface.
     subroutine weigh_cells(solid, b, depth, n)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: depth(solid%bodies(b)%first:), n(:, solid%bodies(b)%first:)
         real(dp) :: half
@@ -145,7 +145,7 @@ contains
 
     !> Kernel sum at a place over a body and its images, 1 at a flat surface one spacing away.
     pure real(dp) function own_sum(solid, b, x) result(s)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: x(3) !! [m]
         integer :: a, m
@@ -162,7 +162,7 @@ contains
     end function own_sum
 
     pure subroutine add_image(solid, b, x, s)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: x(3) !! [m]
         real(dp), intent(inout) :: s
@@ -192,7 +192,7 @@ contains
     !> Kernel sums of a flat body as its surface touches that of body b: the mean over the bodies
     !> that it may meet.
     subroutine find_thresholds(solid, b, depth)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: depth(solid%bodies(b)%first:)
         real(dp) :: total, touch, slope

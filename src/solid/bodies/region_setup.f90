@@ -8,7 +8,7 @@ module brz_region_setup
     use brz_kinds, only: dp, int32, rk
     use brz_motion, only: motion_t, velocity_of
     use brz_particle_marks, only: is_free
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
     use brz_support, only: driven_by, kept_along
     use brz_text, only: to_text
     implicit none
@@ -20,7 +20,7 @@ contains
     !> Mark the particles of all regions, which no support holds, and give them their velocity.
     subroutine set_up_regions(input, solid, body, err)
         type(body_case_t), intent(in) :: input
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
         integer :: m
@@ -37,7 +37,7 @@ contains
     subroutine set_up_region(regions, m, solid, body, err)
         type(region_case_t), intent(in) :: regions(:)
         integer, intent(in) :: m
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
         character(:), allocatable :: other

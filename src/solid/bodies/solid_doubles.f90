@@ -7,7 +7,8 @@ module brz_solid_doubles
     use brz_solid_arrays, only: group_of
     use brz_link_rows, only: first_link, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_text, only: to_text
     use brz_threads, only: worth_threads
     implicit none
@@ -20,7 +21,7 @@ contains
 
     !> Look through the lists of neighbours and links once.
     subroutine refuse_doubles(solid, err)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         integer :: i, k, worst
 
@@ -42,7 +43,7 @@ contains
 
     !> The body of a particle.
     pure integer function owner(solid, i)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: i
 
         owner = findloc(solid%bodies%rim >= i, .true., dim=1)
@@ -50,7 +51,7 @@ contains
 
     !> What is wrong with particles i and j, and what helps.
     pure function text_of(solid, i, j) result(text)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: i, j
         character(:), allocatable :: text
         integer :: first
@@ -75,7 +76,7 @@ contains
 
     !> The first particle in the lists of i that is at its place; 0: none.
     pure integer function double_of(solid, body, i) result(j)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body !! of i
         integer, intent(in) :: i
         real(dp) :: d(3), near2

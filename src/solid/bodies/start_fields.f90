@@ -17,7 +17,8 @@ module brz_start_fields
     use brz_nearest_point, only: nearest_point
     use brz_particle_file, only: read_triples
     use brz_row_order, only: order_rows
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
     use brz_text, only: to_text
     implicit none
     private
@@ -34,7 +35,7 @@ contains
     subroutine start_from_file(input, hooke, solid, body, err)
         type(body_case_t), intent(in) :: input
         logical, intent(in) :: hooke !! its material is linear_elastic
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
         real(dp), allocatable :: values(:, :) !! (names, points)
@@ -125,7 +126,7 @@ contains
     !> supports have their particles, which are known by their places in the unloaded body.
     subroutine move_from_dump(input, solid, body, err)
         type(body_case_t), intent(in) :: input
-        type(solid_t), intent(inout) :: solid
+        class(particles_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
         type(h5_t) :: file

@@ -20,7 +20,7 @@ module brz_wide_lattice
     use brz_hourglass_axes, only: lay_axes
     use brz_kinds, only: dp, rk
     use brz_material, only: material_t
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     implicit none
     private
     public :: settle_lattice, unloaded_place, is_wide
@@ -110,7 +110,7 @@ contains
 
     !> Place of particle i of body b in the unloaded body [m].
     pure function unloaded_place(solid, b, i) result(x)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b, i
         real(dp) :: x(3)
 

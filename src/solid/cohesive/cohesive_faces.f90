@@ -4,7 +4,7 @@
 module brz_cohesive_faces
     use brz_cell_grid, only: cell_span, fill_cells, lay_grid, number_of_cell
     use brz_kinds, only: dp
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
     public :: faces_t, find_faces, drop_faces
@@ -25,7 +25,7 @@ contains
 
     !> Faces of body a, whose lattice is the finer one, towards body b; particles by number.
     subroutine find_faces(solid, a, b, layers, faces)
-        type(solid_t), intent(inout) :: solid !! its search tables are overwritten
+        class(listed_bodies_t), intent(inout) :: solid !! its search tables are overwritten
         integer, intent(in) :: a, b
         real(dp), intent(in) :: layers(3, 2) !! distance of the layers of both [m]
         type(faces_t), intent(out) :: faces
@@ -83,7 +83,7 @@ contains
 
     !> Particle of the body in the cells that lies across a face of particle i, and how far; or 0.
     subroutine look_across(solid, i, axis, side, layers, j, far)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: i, axis, side
         real(dp), intent(in) :: layers(3, 2)
         integer, intent(out) :: j

@@ -7,7 +7,7 @@ module brz_cohesive_layers
     use brz_kinds, only: dp, real32
     use brz_material, only: material_t
     use brz_ply_stress, only: p_g13, p_g23
-    use brz_solid_state, only: solid_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_text, only: to_text
     implicit none
     private
@@ -23,7 +23,7 @@ contains
     !> The shear stress falls to zero towards a face that is free, on a straight line: a layer that
     !> is glued on one side gives in shear as a third of it would.
     subroutine add_layers(solid, k, usual)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         integer, intent(in) :: k
         logical, intent(in) :: usual !! the deck gives no stiffness
         real(dp) :: across, along(3), share, mean, half, least, most
@@ -91,7 +91,7 @@ contains
     !> Layers so thick that they hold more at the strength than the interface spends: they keep its
     !> energy, with a lower strength (Bazant and Oh 1983).
     subroutine keep_energy(solid, k)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         integer, intent(in) :: k
         character(7), parameter :: modes(2) = [character(7) :: 'opening', 'sliding']
         real(dp) :: most, least(2)

@@ -7,7 +7,7 @@
 module brz_cohesive_part
     use brz_kinds, only: dp, int32, int64
     use brz_ranks, only: bits_of_all, most_of_all, several
-    use brz_solid_state, only: solid_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     implicit none
     private
     public :: share_points, tell_owners
@@ -16,7 +16,7 @@ contains
 
     !> The state of all points, in all processes; all must call.
     subroutine share_points(solid)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         integer :: p
         real(dp), allocatable :: state(:)
 
@@ -39,7 +39,7 @@ contains
 
     !> Which process has the particle of each node: each knows its own, and 0 of all others.
     subroutine tell_owners(solid)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         integer(int64), allocatable :: own(:)
 
         allocate (own(size(solid%cohesive%owner)), source=int(solid%cohesive%owner, int64))

@@ -13,7 +13,8 @@ module brz_cohesive_points
     use brz_link_layout, only: mask_unit
     use brz_linear_weights, only: linear_weights
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     implicit none
     private
     public :: begin_points, lay_points, link_nodes
@@ -44,7 +45,7 @@ contains
 
     !> Points of one interface, appended to those that are there.
     subroutine lay_points(solid, k, faces, spacing)
-        type(solid_t), intent(inout) :: solid !! its search tables are overwritten
+        class(interacting_bodies_t), intent(inout) :: solid !! its search tables are overwritten
         integer, intent(in) :: k !! interface
         type(faces_t), intent(in) :: faces !! of the near side
         real(dp), intent(in) :: spacing(2) !! of either side [m]
@@ -75,7 +76,7 @@ contains
 
     !> What all points see of one body.
     subroutine view_side(solid, b, faces, reach, view)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(faces_t), intent(in) :: faces
         real(dp), intent(in) :: reach !! [m]
@@ -124,7 +125,7 @@ contains
     !> Particles and images of the body in the cells within the reach of a place, in the order of
     !> their numbers.
     pure subroutine collect(solid, at, reach, n, particle, mask, x)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         real(dp), intent(in) :: at(3), reach !! [m]
         integer, intent(out) :: n, particle(most), mask(most)
         real(dp), intent(out) :: x(3, most) !! [m]
@@ -240,7 +241,7 @@ contains
     !> What the last points see as gap in the unloaded bodies, and what of their tangents no
     !> particle shows.
     subroutine settle_gaps(solid, n)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         integer, intent(in) :: n
         real(dp) :: gap(3), seen(3, 2), x(3), normal(3)
         integer :: e, p

@@ -15,7 +15,8 @@ module brz_cohesive_setup
     use brz_kinds, only: dp, int32, real32
     use brz_material, only: material_t
     use brz_particle_marks, only: is_fixed
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_text, only: to_text
     implicit none
     private
@@ -34,7 +35,7 @@ contains
     subroutine set_up_cohesive(case, apart, solid, err)
         type(case_t), intent(in) :: case
         real(dp), intent(in) :: apart(:, :) !! (3, bodies) of the lattices [m]
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         type(interaction_case_t) :: rule
         integer :: a, b, n
@@ -74,7 +75,7 @@ contains
         type(interaction_case_t), intent(in) :: rule
         integer, intent(in) :: pair(2) !! bodies
         real(dp), intent(in) :: apart(:, :)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         integer, intent(inout) :: k !! interfaces so far
         type(error_t), intent(inout) :: err
         type(faces_t) :: faces
@@ -191,7 +192,7 @@ contains
 
     !> The lesser modulus of the two sides of interface k [Pa].
     pure real(dp) function weaker(solid, k)
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         integer, intent(in) :: k
 
         associate (b => solid%cohesive%body(:, k))
@@ -205,7 +206,7 @@ contains
     !> The square of the frequency of the springs is at most the largest sum of a row of J M^-1 J^T
     !> K, in absolute values (Gershgorin).
     subroutine settle_stiffness(solid, err)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         real(dp) :: fastest(size(solid%cohesive%law)), allowed
         logical :: usual(size(solid%cohesive%law))
@@ -236,7 +237,7 @@ contains
 
     !> First time step of two bodies [s].
     pure real(dp) function step_of_bodies(solid, pair) result(dt)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: pair(2)
         integer :: s
 
@@ -250,7 +251,7 @@ contains
 
     !> Bound of the square of the frequency of the springs of each interface [1/s2].
     subroutine find_fastest(solid, fastest)
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         real(dp), intent(out) :: fastest(:)
         real(dp), allocatable :: of_node(:)
         real(dp) :: row
@@ -298,7 +299,7 @@ contains
 
     !> Length of the cohesive zone of a mode, E G/T^2, over the spacing of the finer side.
     pure real(dp) function zone_over_spacing(solid, k, mode) result(zone)
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         integer, intent(in) :: k, mode !! interface; 1: tension, 2: shear
 
         associate (law => solid%cohesive%law(k))
@@ -311,7 +312,7 @@ contains
     subroutine judge_interface(case, k, solid, err)
         type(case_t), intent(in) :: case
         integer, intent(in) :: k
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         type(interaction_case_t) :: rule
         real(dp) :: first, last, least, range(2), zone
@@ -345,7 +346,7 @@ contains
 
     !> The two bodies of a cohesive interface: 'low+high'.
     pure function interface_name(solid, k) result(name)
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         integer, intent(in) :: k
         character(:), allocatable :: name
 

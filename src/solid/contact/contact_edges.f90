@@ -13,7 +13,8 @@ module brz_contact_edges
     use brz_face_layout, only: face_edge
     use brz_interaction, only: law_bonded, law_contact
     use brz_kinds, only: dp, real32
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
     public :: find_contact_edges
@@ -23,7 +24,7 @@ contains
     !> Shares of the springs of all particles, and whose springs act between two boxes.
     subroutine find_contact_edges(boxes, solid)
         logical, intent(in) :: boxes(:) !! (bodies) is a whole box of cubic particles
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         real(dp) :: corner(3, 2, size(boxes))
         integer :: a, b
 
@@ -50,7 +51,7 @@ contains
 
     !> Shares of the springs of the particles of a box, which lie layer by layer.
     subroutine weigh_edges(solid, body)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp) :: shares(n_edge), share(3), low(3), high(3)
         integer :: a, i, n, columns(2, 3)
@@ -79,7 +80,7 @@ contains
     !> True where box a stands on box b: along the axis that parts them most its face lies within
     !> that of b.
     pure logical function stands_on(solid, a, b, p, q)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: a, b
         real(dp), intent(in) :: p(3, 2), q(3, 2) !! their corners [m]
         real(dp) :: apart(3), slack
@@ -101,7 +102,7 @@ contains
 
     !> Corners of a box.
     pure function corners(solid, body) result(x)
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         real(dp) :: x(3, 2) !! low, high [m]
 

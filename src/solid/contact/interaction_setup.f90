@@ -14,7 +14,8 @@ module brz_interaction_setup
     use brz_material, only: material_t
     use brz_materials, only: unloaded_speed
     use brz_approach_speed, only: closing_speed
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_text, only: to_text
     implicit none
     private
@@ -30,7 +31,7 @@ contains
     !> Laws of all pairs of bodies; `solid%links%present` where any two of them meet.
     subroutine set_up_interactions(case, solid, err)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         type(interaction_case_t) :: rule
         real(dp) :: sound !! speed of the slower material [m/s]
@@ -121,7 +122,7 @@ contains
 
     !> The numbers of a law between bodies a (of particle i) and b.
     subroutine make_interaction(solid, rule, a, b, m)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(interaction_case_t), intent(in) :: rule
         integer, intent(in) :: a, b
         type(interaction_t), intent(out) :: m
@@ -219,7 +220,7 @@ contains
     !> A bond to a single layer is not weighted; where it is too stiff for the light body's waves
     !> both take shorter steps.
     subroutine shorten_step(solid, a, b, m)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         integer, intent(in) :: a, b
         type(interaction_t), intent(in) :: m
         real(dp) :: share
@@ -242,7 +243,7 @@ contains
 
     !> A bond joins one continuum: lattices must not differ too much.
     subroutine judge_bond(solid, a, b, start, err)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         integer, intent(in) :: a, b
         character(*), intent(in) :: start !! of a message
         type(error_t), intent(inout) :: err

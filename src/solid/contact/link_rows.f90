@@ -9,11 +9,11 @@ module brz_link_rows
     use brz_link_layout, only: link_unit, mask_unit
     use brz_links, only: links_t
     use brz_push_layout, only: push_layout_t
-    use brz_solid_state, only: solid_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     implicit none
     private
     public :: first_link, last_link, link_partner, link_mask, is_bonded, joined_of
-    public :: glue_of, nodes_of, heat_of, layout_of_pushes
+    public :: glue_of, nodes_of, layout_of_pushes
 
     real(dp), target :: no_glue(3, 0:0) = 0
 
@@ -73,7 +73,7 @@ contains
     !> Forces on the nodes of interfaces, and the node of each particle by its number; where there
     !> are no interfaces something that must not be read.
     function glue_of(solid) result(cohesive)
-        type(solid_t), intent(in), target :: solid
+        class(interacting_bodies_t), intent(in), target :: solid
         real(dp), pointer, contiguous :: cohesive(:, :) !! [N]
 
         cohesive => no_glue
@@ -82,25 +82,16 @@ contains
     end function glue_of
 
     function nodes_of(solid) result(node)
-        type(solid_t), intent(in), target :: solid
+        class(interacting_bodies_t), intent(in), target :: solid
         integer(int32), pointer, contiguous :: node(:)
 
         node => solid%id
         if (solid%cohesive%present) node => solid%cohesive%row
     end function nodes_of
 
-    !> Heat of contact of each particle [J]; on the CPU among the work of the loads.
-    function heat_of(solid) result(heat)
-        type(solid_t), intent(in), target :: solid
-        real(dp), pointer, contiguous :: heat(:)
-
-        heat => solid%work
-        if (solid%on_gpu) heat => solid%device%heat
-    end function heat_of
-
     !> How links%push lies: springs, drag, torque of drag; forces of interfaces are not among them.
     pure function layout_of_pushes(solid) result(lay)
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         type(push_layout_t) :: lay
 
         lay = push_layout_t(compact=1, step_c=1, stride_p=9, drag=3, torque=6, heat=0, &

@@ -17,14 +17,15 @@
 !> part, too: those near new places, and those of stale pairs of bodies, of which one is sorted anew
 !> or which have drifted too far since S. All others may hold entries out of reach.
 module brz_list_drift
+    use brz_body, only: body_t
     use brz_formulation_names, only: form_rigid, form_total
     use brz_interaction, only: law_none
     use brz_kept_cells, only: kept_cells_t
     use brz_kinds, only: dp, int64
     use brz_skin_level, only: skin_levels, renewed_level
-    use brz_ranks, only: several
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
     public :: level_unit, drift_bodies, find_stale, begin_list, begin_links, &
@@ -37,14 +38,14 @@ contains
 
     !> Half the skin in steps of e [m].
     pure real(dp) function level_unit(solid)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
 
         level_unit = solid%skin/(2*skin_levels)
     end function level_unit
 
     !> Let the bodies drift over a step.
     pure subroutine drift_bodies(solid, dt)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         integer :: b
 
@@ -58,7 +59,7 @@ contains
     !> Which lists must be built anew, and whether the links must. A body that spends half of what
     !> its links may move is built anew with them; where particles leave the scene, all are.
     pure subroutine find_stale(solid, level, stale, relink)
-        type(solid_t), intent(inout) :: solid !! links%stale is set
+        class(listed_bodies_t), intent(inout) :: solid !! links%stale is set
         integer, intent(in) :: level(:) !! (bodies) highest level of a particle
         logical, intent(out) :: stale(:) !! (bodies)
         logical, intent(out) :: relink
@@ -88,7 +89,7 @@ contains
 
     !> True where the links of two bodies are still complete.
     pure logical function lasts(solid, level, a, b)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: level(:), a, b
         real(dp) :: moved
 
@@ -101,7 +102,7 @@ contains
     !> How far two bodies have drifted against each other since they were linked, beyond what they
     !> were further apart than links reach [m].
     pure real(dp) function beyond(solid, a, b)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: a, b
 
         beyond = norm2(solid%bodies(a)%drift - solid%bodies(b)%drift - solid%links%drift(:, a, b)) &
@@ -111,7 +112,7 @@ contains
     !> Body b is about to get a list for the places of today. Where particles leave the scene it
     !> does not drift: they are looked for whenever a list is built.
     pure subroutine begin_list(solid, b, velocity)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: velocity(3) !! of its mass, where it is not rigid [m/s]
 
@@ -132,7 +133,7 @@ contains
     !> particles are counted: total-Lagrangian bodies keep their lists, rigid ones have none, and
     !> what is taken out is sorted behind the others.
     pure logical function may_renew(solid, b)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b
 
         associate (body => solid%bodies(b))
@@ -144,25 +145,23 @@ contains
 
     !> Whether so few particles of body b have new places that only the lists near these are built
     !> anew; several processes that keep no places build all, with the same entries.
-    pure subroutine decide_part(solid, b, moved, in_part)
-        type(solid_t), intent(inout) :: solid
-        integer, intent(in) :: b
+    pure subroutine decide_part(body, kept, moved, in_part)
+        type(body_t), intent(inout) :: body
+        logical, intent(in) :: kept !! ghosts keep their places, or there are none
         integer(int64), intent(in) :: moved !! particles with new places, of all processes
         logical, intent(out) :: in_part
 
-        associate (body => solid%bodies(b))
-            in_part = moved*most_renewed < body%number(2) - body%number(1) + 1
-            if (.not. in_part) return
-            body%cells%renewals = body%cells%renewals + 1
-            body%cells%in_part = solid%part%keeps .or. .not. several(solid%ranks)
-        end associate
+        in_part = moved*most_renewed < body%number(2) - body%number(1) + 1
+        if (.not. in_part) return
+        body%cells%renewals = body%cells%renewals + 1
+        body%cells%in_part = kept
     end subroutine decide_part
 
     !> The links are about to be built, for the drifts of now or those that they had before a
     !> restart: note them, and how far the bodies are apart. Two that were too far apart for links
     !> and are no longer are stale as well.
     pure subroutine begin_links(solid, box, resume)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: box(:, :, :) !! (3, 2, bodies) corners of x_built of all [m]
         logical, intent(in) :: resume !! after a restart
         integer :: a, b
@@ -183,7 +182,7 @@ contains
 
     !> Least distance between the box of body b and that of body a or one of its images [m].
     pure real(dp) function gap(solid, a, b, box)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: a, b
         real(dp), intent(in) :: box(:, :, :) !! (3, 2, bodies) [m]
         real(dp) :: lo(3), hi(3), s(3), shift(3)
@@ -202,7 +201,7 @@ contains
 
     !> Longest link between two bodies [m].
     pure real(dp) function links_reach(solid, a, b)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: a, b
 
         links_reach = 2*real(solid%links%table(a, b)%h, dp) + solid%skin
@@ -210,7 +209,7 @@ contains
 
     !> True where two bodies may have links now.
     pure logical function may_link(solid, a, b)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: a, b
 
         may_link = solid%links%table(a, b)%law /= law_none

@@ -3,7 +3,7 @@
 module brz_load_part
     use brz_kinds, only: int32, int64
     use brz_ranks, only: most_of_all
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     implicit none
     private
     public :: tell_carriers
@@ -13,7 +13,7 @@ contains
     !> Which process has each particle that carries loaded segments: each knows its own, and 0 of
     !> all others.
     subroutine tell_carriers(solid)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         integer(int64), allocatable :: own(:)
 
         allocate (own(size(solid%loads%segments%owner)), &

@@ -13,7 +13,9 @@ module brz_load_setup
                                    nearest_ground, oblique_shares, surface_blast
     use brz_loads, only: loaded_segments_t
     use brz_patch, only: is_under
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_stl, only: mesh_t, read_stl
     use brz_text, only: to_text
     use brz_loaded_wall, only: find_loaded_wall
@@ -31,7 +33,7 @@ contains
     subroutine set_up_loads(case, shapes, solid, err)
         type(case_t), intent(in) :: case
         type(shape_t), intent(in) :: shapes(:) !! of the bodies
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         type(loaded_segments_t), allocatable :: segments(:)
         integer :: k
@@ -84,7 +86,7 @@ contains
     !> A load that begins after the end of the run does nothing.
     subroutine judge_arrivals(case, solid)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         character(:), allocatable :: remedy
         real(dp) :: arrival
         integer :: k
@@ -104,7 +106,7 @@ contains
     !> The acceleration of a whole body [m/s2].
     pure function push_of(load, solid) result(push)
         type(load_case_t), intent(in) :: load
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         real(dp) :: push(3)
 
         associate (body => solid%bodies(load%body))
@@ -170,7 +172,7 @@ contains
     subroutine find_loaded_segments(load, shape, solid, body, segments, err)
         type(load_case_t), intent(in) :: load
         type(shape_t), intent(in) :: shape
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(loaded_segments_t), intent(out) :: segments
         type(error_t), intent(inout) :: err
@@ -248,7 +250,7 @@ contains
     subroutine weigh_edges(load, shape, solid, body, segments)
         type(load_case_t), intent(in) :: load
         type(shape_t), intent(in) :: shape
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(loaded_segments_t), intent(inout) :: segments
         real(dp) :: apart(3), share, shares(n_edge)
@@ -296,7 +298,7 @@ contains
     pure logical function has_edges(load, shape, solid, body) result(yes)
         type(load_case_t), intent(in) :: load
         type(shape_t), intent(in) :: shape
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(in) :: body
 
         yes = load%patch == '' .and. body%face_share > 0 .and. &
@@ -307,7 +309,7 @@ contains
 
     !> Numbers of the particles of a body on its lattice.
     subroutine fill_lattice(solid, body, spacing, cell, low, high)
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: spacing(3)
         integer, allocatable, intent(out) :: cell(:, :, :)
@@ -330,7 +332,7 @@ contains
 
     !> Layers of a particle, from those of the first of its body; 0 where nothing is modelled.
     pure function place_of(solid, i, first, spacing) result(at)
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         integer, intent(in) :: i, first
         real(dp), intent(in) :: spacing(3)
         integer :: at(3)
@@ -353,7 +355,7 @@ contains
     !> the angle of incidence.
     subroutine find_waves(load, solid, segments, err)
         type(load_case_t), intent(in) :: load
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(loaded_segments_t), intent(inout) :: segments
         type(error_t), intent(inout) :: err
         type(blast_t) :: blast

@@ -15,7 +15,7 @@ module brz_loaded_wall
     use brz_kinds, only: dp
     use brz_layered_wall, only: ring_of, turned_place
     use brz_loads, only: loaded_segments_t
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
     implicit none
     private
     public :: find_loaded_wall
@@ -30,7 +30,7 @@ contains
         type(shape_t), intent(in) :: shape
         logical, intent(in) :: faces(2) !! inside, outside
         real(dp), intent(in) :: most !! stretch of a loaded segment that still carries more load
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(loaded_segments_t), intent(out) :: segments
         integer, allocatable :: number(:, :) !! (round the axis, along it) of a ring's particles
@@ -65,7 +65,7 @@ contains
         type(body_case_t), intent(in) :: input
         type(shape_t), intent(in) :: shape
         integer, intent(in) :: f !! 1: inside, 2: outside
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, allocatable, intent(out) :: number(:, :) !! from 0, with its neighbours
         real(dp) :: radius, thick, x(3)

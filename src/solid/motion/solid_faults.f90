@@ -5,7 +5,8 @@ module brz_solid_faults
     use brz_kinds, only: dp, int64, rk
     use brz_skin_level, only: lost_level
     use brz_ranks, only: reduce_errors, several
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_text, only: to_text
     implicit none
     private
@@ -17,7 +18,7 @@ contains
 
     !> Raise an error for the first particle with an impossible state.
     subroutine report_bad(solid, err)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         character(600) :: text
         character(:), allocatable :: remedy
@@ -43,7 +44,7 @@ contains
     !> Raise an error for a body with a particle whose place is no number; in all processes, as all
     !> know the levels.
     subroutine report_lost(solid, level, err)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer(int64), intent(in) :: level(:) !! (bodies) of motion, see brz_skin_level
         type(error_t), intent(inout) :: err
         integer :: b
@@ -57,7 +58,7 @@ contains
 
     !> All processes have the same limits of the time step, and an error that one of them has.
     subroutine agree_on_step(solid, err)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         real(dp) :: limit(0:size(solid%bodies))
 

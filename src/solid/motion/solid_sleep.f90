@@ -5,7 +5,8 @@
 module brz_solid_sleep
     use brz_kinds, only: int64, rk
     use brz_ranks, only: most_of_all
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
     public :: put_to_sleep, sleep_until_loaded, wake_met, particles_active
@@ -16,7 +17,7 @@ contains
 
     !> Put the bodies to sleep that are at rest, are not driven and meet none that moves.
     subroutine put_to_sleep(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer :: b
         integer(int64) :: moves(size(solid%bodies)) !! 1: some particle of some process does
 
@@ -37,7 +38,7 @@ contains
     !> Put all bodies to sleep, or none, in a scene whose loads alone can move them: they are at
     !> rest, nothing drives them, and what pushes them is rounding.
     subroutine sleep_until_loaded(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer(int64) :: pushed(1) !! 1: some particle of some process is
         real(rk) :: least !! acceleration that counts [m/s2]
         integer :: b
@@ -59,7 +60,7 @@ contains
     !> Wake the bodies that have links with one that is active, and those that these have links
     !> with.
     subroutine wake_met(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         logical :: again
         integer :: b
 
@@ -78,7 +79,7 @@ contains
 
     !> Particles that take steps, of all processes.
     pure integer(int64) function particles_active(solid) result(n)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer :: b
 
         n = 0

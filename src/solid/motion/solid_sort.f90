@@ -13,7 +13,8 @@ module brz_solid_sort
     use brz_particle_order, only: reorder_particles
     use brz_solid_arrays, only: group_of
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_threads, only: worth_threads
     implicit none
     private
@@ -24,7 +25,7 @@ contains
     !> Bring the particles of a body into the order of the cells at the places `x_built`. It has no
     !> ghosts.
     subroutine sort_body(solid, b)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
 
         associate (body => solid%bodies(b))
@@ -37,7 +38,7 @@ contains
     !> Give new places to the particles of body b that have moved far, mark the cells of the old and
     !> the new ones, and count them.
     subroutine renew_places(solid, b, moved)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         integer(int64), intent(out) :: moved(3)
         !! particles of this process; 0, as who has changed regions goes to its owner
@@ -61,7 +62,7 @@ contains
 
     !> Choose the groups of body b that are within reach of a marked cell.
     subroutine choose_lists(solid, b)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp) :: hi(3), lo(3), reach
         integer :: i
@@ -86,7 +87,7 @@ contains
     !> True where the cells within reach of a box around some places, or around its images, are
     !> marked.
     pure logical function is_near(solid, reach, x) result(near)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         real(dp), intent(in) :: reach, x(:, :) !! [m]
         real(dp) :: half(3), middle(3)
         integer :: c1, c2, c3, hi(3), lo(3), m
@@ -111,7 +112,7 @@ contains
 
     !> Velocity of the mass of a body at the step [m/s]: an exact sum, as lists last by it.
     subroutine mean_velocity(solid, b, v)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b
         real(dp), intent(out) :: v(3)
         real(dp) :: sums(4)
@@ -127,7 +128,7 @@ contains
     !> Positions that decide on the neighbours of a body: a total-Lagrangian body that meets no
     !> other keeps the unloaded ones, and with them its order and its list.
     subroutine note_positions(solid, b)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
 
         associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)

@@ -3,7 +3,8 @@
 module brz_solid_sums
     use brz_force_loop_bodies, only: n_sum
     use brz_kinds, only: dp, rk
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
     implicit none
     private
     public :: totals_of_sums, solid_totals_t, n_sum, velocity_at_step
@@ -27,7 +28,7 @@ contains
 
     !> Totals of body b, or of all bodies with b = 0.
     subroutine totals_of_sums(solid, b, sums, totals)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: sums(n_sum, size(solid%bodies)) !! see sum_state
         type(solid_totals_t), intent(out) :: totals
@@ -68,7 +69,7 @@ contains
 
     !> Velocity of a particle at the step itself [m/s].
     pure function velocity_at_step(solid, i) result(v)
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         integer, intent(in) :: i
         real(rk) :: v(3)
 

@@ -14,7 +14,10 @@ module brz_ghost_wants
     use brz_message_exchange, only: tell_all
     use brz_particle_marks, only: is_gone
     use brz_ranks, only: least_of_all, ranks_t
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_solid_part, only: solid_part_t
     use brz_want_rows, only: n_want, want_corners, want_reach
     implicit none
     private
@@ -27,7 +30,7 @@ contains
 
     !> Places that decide to which process the particles of body b belong.
     function owners_of(solid, b) result(x)
-        type(solid_t), intent(in), target :: solid
+        class(bodies_t), intent(in), target :: solid
         integer, intent(in) :: b
         real(dp), pointer, contiguous :: x(:, :) !! (3, n) [m]
 
@@ -37,7 +40,7 @@ contains
 
     !> True where a process needs a ghost of particle i of body b, in one of the ways that it has.
     logical function is_needed(solid, want, b, i) result(yes)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         real(dp), intent(in) :: want(:, :) !! (n_want, ways) of the body and the process
         integer, intent(in) :: b, i
         real(dp) :: x(3)
@@ -56,15 +59,16 @@ contains
 
     !> True where links are looked for in boxes.
     pure logical function has_boxes(solid)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
 
         has_boxes = solid%links%present .and. any(solid%bodies%formulation == form_total)
     end function has_boxes
 
     !> Boxes that the particles of each body fill in each process, where links want them; all must
     !> call.
-    subroutine find_boxes(solid)
-        type(solid_t), intent(inout) :: solid
+    subroutine find_boxes(solid, part)
+        class(listed_bodies_t), intent(in) :: solid
+        type(solid_part_t), intent(inout) :: part
         real(dp) :: box(3, 2, size(solid%bodies))
         integer :: b
 
@@ -75,7 +79,7 @@ contains
                 box(:, 2, b) = maxval(solid%x_built(:, first:last), 2)
             end associate
         end do
-        call tell_boxes(solid%ranks, box, solid%part%boxes)
+        call tell_boxes(solid%ranks, box, part%boxes)
     end subroutine find_boxes
 
     !> Tell all processes the boxes of this one.
@@ -96,38 +100,38 @@ contains
 
     !> Where in its region a process may have particles. Without it images, which lie below planes
     !> of symmetry, would all be in the regions that end there.
-    pure function inhabited(solid, region) result(corners)
-        type(solid_t), intent(in) :: solid
+    pure function inhabited(part, region) result(corners)
+        type(solid_part_t), intent(in) :: part
         real(dp), intent(in) :: region(3, 2) !! corners [m]
         real(dp) :: corners(3, 2)
 
-        corners(:, 1) = max(region(:, 1), solid%part%lowest)
+        corners(:, 1) = max(region(:, 1), part%lowest)
         corners(:, 2) = region(:, 2)
     end function inhabited
 
     !> The lowest homes of particles of all processes, where planes of symmetry are; all must call.
-    subroutine find_lowest(solid)
-        type(solid_t), intent(inout) :: solid
+    subroutine find_lowest(solid, part)
+        class(bodies_t), intent(in) :: solid
+        type(solid_part_t), intent(inout) :: part
         real(dp), pointer, contiguous :: x(:, :)
         integer :: b
 
-        solid%part%lowest = -huge(1.0_dp)
+        part%lowest = -huge(1.0_dp)
         if (.not. any(solid%mirror)) return
-        where (solid%mirror) solid%part%lowest = huge(1.0_dp)
+        where (solid%mirror) part%lowest = huge(1.0_dp)
         do b = 1, size(solid%bodies)
             x => owners_of(solid, b)
             associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)
-                where (solid%mirror) solid%part%lowest = &
-                    min(solid%part%lowest, minval(x(:, first:last), 2))
+                where (solid%mirror) part%lowest = min(part%lowest, minval(x(:, first:last), 2))
             end associate
         end do
-        call least_of_all(solid%ranks, solid%part%lowest)
+        call least_of_all(solid%ranks, part%lowest)
     end subroutine find_lowest
 
     !> What particles of bodies that are listed in part may be outside the region of their process
     !> [m].
     pure real(dp) function most_outside(solid) result(most)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer :: b
 
         most = maxval([(reach_of_lists(solid, b), b=1, size(solid%bodies))])
@@ -135,7 +139,7 @@ contains
 
     !> Planes of symmetry as bits 0..2.
     pure integer function planes_of(solid)
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
 
         planes_of = sum(merge([1, 2, 4], 0, solid%mirror))
     end function planes_of
@@ -143,7 +147,7 @@ contains
     !> How many ways to need ghosts of body b are those of lists and loaded segments, by the homes
     !> of the particles; the others are links, by their places.
     pure integer function of_lists(solid, b) result(n)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b
 
         n = 1
@@ -153,8 +157,9 @@ contains
     !> How ghosts of body b are needed: by lists or loaded segments, then by links with other
     !> bodies. Of each way and process: what is added to the place, how far it may then be from
     !> which box [m].
-    pure function wants_of(solid, b, region) result(want)
-        type(solid_t), intent(in) :: solid
+    pure function wants_of(solid, part, b, region) result(want)
+        class(listed_bodies_t), intent(in) :: solid
+        type(solid_part_t), intent(in) :: part
         integer, intent(in) :: b
         real(dp), intent(in) :: region(:, :, 0:) !! (3, 2, processes) corners [m]
         real(dp), allocatable :: want(:, :, :) !! (n_want, ways, processes)
@@ -169,7 +174,7 @@ contains
                 all(want_reach, 1, :) = beside*body%spacing
         end associate
         do r = 0, ubound(region, 3)
-            all(want_corners:, :, r) = spread(reshape(inhabited(solid, region(:, :, r)), [6]), 2, &
+            all(want_corners:, :, r) = spread(reshape(inhabited(part, region(:, :, r)), [6]), 2, &
                                               size(all, 2))
         end do
         do a = 1, merge(size(solid%bodies), 0, solid%links%present)
@@ -178,9 +183,9 @@ contains
             all(:3, n, :) = spread(solid%links%drift(:, b, a), 2, size(all, 3))
             all(want_reach, n, :) = links_reach(solid, a, b)
             if (solid%bodies(a)%formulation == form_total) &
-                all(want_corners:, n, :) = reshape(solid%part%boxes(:, :, a, :), [6, size(all, 3)])
+                all(want_corners:, n, :) = reshape(part%boxes(:, :, a, :), [6, size(all, 3)])
         end do
         want = all(:, :n, :)
-        want(want_reach, :, :) = want(want_reach, :, :) + solid%part%margin
+        want(want_reach, :, :) = want(want_reach, :, :) + part%margin
     end function wants_of
 end module brz_ghost_wants

@@ -13,7 +13,8 @@ module brz_solid_gather
     use brz_solid_fields, only: fields_of, fields_t, make_fields
     use brz_solid_ghosts, only: of_a_checkpoint, send_particles
     use brz_solid_sort, only: sort_body
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     implicit none
     private
     public :: begin_gather, end_gather
@@ -22,8 +23,8 @@ contains
 
     !> What must be known of all processes before their particles are gathered.
     subroutine begin_gather(solid, whole, in)
-        type(solid_t), intent(inout) :: solid
-        type(solid_t), intent(out) :: whole !! without particles yet
+        class(interacting_bodies_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(out) :: whole !! without particles yet
         integer(int64), allocatable, intent(out) :: in(:, :) !! (bodies, processes) that come
         integer(int64) :: out(size(solid%bodies), solid%ranks%n)
 
@@ -39,8 +40,8 @@ contains
     !> process would have it; no particles in all others. It comes by messages, then all must call;
     !> or in copies of the processes by files: see message_exchange_t.
     subroutine end_gather(solid, whole, in, sorted, exchange)
-        type(solid_t), intent(inout), target :: solid
-        type(solid_t), intent(inout), target :: whole !! as begin_gather left it
+        class(listed_bodies_t), intent(inout), target :: solid
+        class(interacting_bodies_t), intent(inout), target :: whole !! as begin_gather left it
         integer(int64), intent(in) :: in(:, :) !! likewise
         logical, intent(in) :: sorted
         type(message_exchange_t), intent(inout) :: exchange
@@ -85,7 +86,7 @@ contains
 
     !> Put the particles in the order that one process would have.
     subroutine sort(whole)
-        type(solid_t), intent(inout) :: whole
+        class(listed_bodies_t), intent(inout) :: whole
         integer :: b
 
         allocate (whole%pair(n_pair, whole%n), whole%search%order(whole%n)) ! to sort by
@@ -97,8 +98,8 @@ contains
 
     !> What a scene of bodies has besides its particles; diagnostics of all processes together.
     subroutine outline(solid, whole)
-        type(solid_t), intent(inout) :: solid
-        type(solid_t), intent(inout) :: whole
+        class(interacting_bodies_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: whole
         type(diagnostics_t) :: diagnostics
         integer :: b
 

@@ -10,6 +10,8 @@ module brz_solid_owner
     use brz_solid_fields, only: fields_of, fields_t, resize_fields
     use brz_solid_ghosts, only: all_of_it, send_particles
     use brz_resize, only: resize
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -22,7 +24,7 @@ contains
 
     !> Particles of all processes.
     pure integer function all_particles(solid)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
 
         all_particles = 0
         if (solid%present) all_particles = maxval(solid%bodies%number(2))
@@ -52,7 +54,7 @@ contains
 
     !> Arrays for all particles, body by body, as the set-up has them: a checkpoint is to be read.
     subroutine hold_all(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
 
         if (.not. several(solid%ranks)) return
         call lay_bodies(solid, solid%bodies%number(2) - solid%bodies%number(1) + 1)
@@ -61,7 +63,7 @@ contains
 
     !> Ranges of particles of all bodies, without room for more.
     subroutine lay_bodies(solid, own)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         integer, intent(in) :: own(:) !! (bodies)
         integer :: b
 
@@ -79,7 +81,7 @@ contains
 
     !> Room for n particles, with something to spare.
     subroutine make_room(solid, n, exactly)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: n
         logical, intent(in), optional :: exactly !! room for n, also where there was more
         integer :: room
@@ -120,7 +122,7 @@ contains
     !> Bodies that began at `old` have been given other places: bring their particles there. They
     !> have no ghosts.
     subroutine lay_arrays(solid, old)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer, intent(in) :: old(:) !! (bodies)
         integer :: b, k
 
@@ -148,7 +150,7 @@ contains
     !> Particles and ghosts lie in other places: number groups and blocks for it. What lies behind
     !> them is no particle.
     subroutine settle_places(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer :: b
 
         do b = 1, size(solid%bodies)

@@ -6,7 +6,7 @@ module brz_drive
     use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
     use brz_motion, only: mean_velocity, motion_t, velocity_of
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
     public :: record_drive, begin_motion, end_motion, add_held_impulse
@@ -64,7 +64,7 @@ contains
 
     !> Add the mean force of body b on what holds it, as pass 2 has summed it up block by block.
     pure subroutine add_held_impulse(solid, b, dt, force)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! step just made [s]
         real(dp), intent(inout) :: force(3) !! [N]

@@ -12,7 +12,8 @@ module brz_rigid_setup
     use brz_motion, only: velocity_of
     use brz_particle_marks, only: is_fixed
     use brz_rigid, only: cross
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
+    use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
     public :: set_up_rigid
@@ -23,7 +24,7 @@ contains
     subroutine set_up_rigid(input, on_plane, solid, body, err)
         type(body_case_t), intent(in) :: input
         logical, intent(in) :: on_plane(3) !! planes of symmetry that cut the body
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
         integer :: i
@@ -46,7 +47,7 @@ contains
     subroutine make_rigid(input, on_plane, solid, body, err)
         type(body_case_t), intent(in) :: input
         logical, intent(in) :: on_plane(3)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
         real(dp) :: inertia(3, 3), v(3)
@@ -78,7 +79,7 @@ contains
     !> of a box around it, presses and rubs on the part of the body that gives way most. It does
     !> not change in time: a leapfrog keeps the energy of a spring while its step does.
     subroutine bear_contact(solid, body)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         type(body_t), intent(inout) :: body
         real(dp) :: area, give, stiffness, drag, d(3), side(3), rate
         integer :: a, c, i
@@ -115,7 +116,7 @@ contains
     !> Components of velocity and spin that the body may have: a body on a plane of symmetry
     !> moves in it and turns about its normal.
     subroutine freedom(solid, on_plane, held, body)
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         logical, intent(in) :: on_plane(3), held
         type(body_t), intent(inout) :: body
         integer :: a
@@ -133,7 +134,7 @@ contains
 
     !> Mass, centre, and inertia about it: that of the particles as points and of their cells.
     subroutine sum_mass(solid, body, on_plane, inertia)
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         type(body_t), intent(inout) :: body
         logical, intent(in) :: on_plane(3)
         real(dp), intent(out) :: inertia(3, 3)

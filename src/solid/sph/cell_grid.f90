@@ -13,7 +13,8 @@ module brz_cell_grid
     use brz_particle_groups, only: lanes
     use brz_particle_marks, only: is_gone
     use brz_search_arrays, only: search_t
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
     public :: lay_grid, extent, choose_cells, take_cells, fill_cells, cell_span, box_span, &
@@ -25,7 +26,7 @@ contains
 
     !> Length of a pair in the list: the support of the kernel, and the skin where pairs change [m].
     pure real(dp) function reach_of_lists(solid, b) result(reach)
-        type(solid_t), intent(in) :: solid
+        class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: b
 
         associate (body => solid%bodies(b))
@@ -37,7 +38,7 @@ contains
 
     !> Side of the cells along which particles are sorted: on a lattice each holds one group [m].
     pure real(dp) function cell_of_groups(solid, b) result(side)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b
 
         side = solid%bodies(b)%spacing*real(lanes, dp)**(1/real(solid%dimension, dp))

@@ -2,7 +2,7 @@
 !> Forces on particles that not every scene has: loads, and what holds them.
 module brz_air_force
     use brz_kinds, only: rk
-    use brz_solid_state, only: solid_t
+    use brz_particles, only: particles_t
     implicit none
     private
     public :: air_force, load_of, reaction_force_of
@@ -11,7 +11,7 @@ contains
 
     !> Force of the air on particle i [N].
     pure function air_force(solid, i) result(force)
-        type(solid_t), intent(in) :: solid
+        class(particles_t), intent(in) :: solid
         integer, intent(in) :: i
         real(rk) :: force(3)
 
@@ -21,7 +21,7 @@ contains
 
     !> The loads of the particles; where there are none something that must not be read.
     function load_of(solid) result(load)
-        type(solid_t), intent(in), target :: solid
+        class(particles_t), intent(in), target :: solid
         real(rk), pointer, contiguous :: load(:, :) !! [N]
 
         load => solid%a
@@ -30,7 +30,7 @@ contains
 
     !> The same of the forces on what holds particles.
     function reaction_force_of(solid) result(reaction_force)
-        type(solid_t), intent(in), target :: solid
+        class(particles_t), intent(in), target :: solid
         real(rk), pointer, contiguous :: reaction_force(:, :) !! [N]
 
         reaction_force => solid%a

@@ -6,7 +6,8 @@ module brz_particle_order
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_ptr
     use brz_kinds, only: int8
     use brz_solid_fields, only: fields_of, fields_t, memory_of
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_threads, only: worth_threads
     implicit none
     private
@@ -16,7 +17,7 @@ contains
 
     !> Particle `solid%search%order(k)` moves to place k, first <= k <= last, among which it is.
     subroutine reorder_particles(solid, first, last)
-        type(solid_t), intent(inout), target :: solid
+        class(listed_bodies_t), intent(inout), target :: solid
         integer, intent(in) :: first, last
         type(fields_t) :: fields
         integer :: k
@@ -61,7 +62,7 @@ contains
 
     !> Look a particle up again if it has been moved by sorting; place 0: another process has it.
     pure subroutine find_place(solid, body, particle, place)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: body, particle
         integer, intent(inout) :: place
 

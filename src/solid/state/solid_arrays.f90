@@ -7,7 +7,7 @@ module brz_solid_arrays
     use brz_link_layout, only: link_layout_t, link_unit, n_press
     use brz_particle_groups, only: lanes
     use brz_solid_fields, only: fields_of, fields_t, make_fields, memory_of
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
     public :: allocate_solid, bytes_per_particle, number_groups, cut_blocks, group_of
@@ -19,7 +19,7 @@ contains
 
     !> Allocate for solid%n particles with solid%n_hist history variables; bodies must be known.
     subroutine allocate_solid(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
 
         call make_fields(solid)
         allocate (solid%search%order(solid%n))
@@ -31,7 +31,7 @@ contains
     !> Number the groups of particles, body by body; behind those of each stands one of no members,
     !> where its lists end.
     subroutine number_groups(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer :: b, n
 
         n = 0
@@ -68,7 +68,7 @@ contains
 
     !> What particles need to meet those of other bodies.
     subroutine allocate_links(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
 
         associate (n => solid%n, links => solid%links)
             allocate (links%row(n), links%slice(0:1), links%count(0:1), links%press(n_press, 0:1), &
@@ -93,7 +93,7 @@ contains
     !> Cut the bodies into blocks of particles: the unit of work and of every sum, so that sums do
     !> not depend on the number of threads.
     subroutine cut_blocks(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer :: b, i, n
 
         n = sum((solid%bodies%last - solid%bodies%first + block_size)/block_size)
@@ -116,7 +116,7 @@ contains
 
     !> Memory per particle without neighbour lists [B].
     real(dp) function bytes_per_particle(solid) result(bytes)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         type(fields_t) :: fields
 
         call fields_of(solid, fields)

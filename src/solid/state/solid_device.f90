@@ -86,7 +86,6 @@ module brz_solid_device
         logical :: stepped = .false. !! the GPU has made a step
         logical :: summed = .false. !! the energy accounts are those of the present state
         logical :: settled = .true. !! bodies lie in the host arrays as they do here
-        integer(int64) :: laid = 0 !! how often particles of several processes got other places
         logical :: linked = .false., bonded = .false. !! bodies meet; some are bonded
         type(links_device_t) :: links
         logical :: points_fetched = .true. !! the host has the state of its points

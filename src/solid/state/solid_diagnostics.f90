@@ -8,7 +8,8 @@ module brz_solid_diagnostics
     use brz_kinds, only: dp
     use brz_skin_level, only: lost_level
     use brz_ranks, only: several
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_threads, only: worth_threads
     implicit none
     private
@@ -29,7 +30,7 @@ contains
 
     !> Show the diagnostics of all processes together in `solid%bodies`, until they are closed.
     subroutine open_all_diagnostics(solid, diagnostics)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         type(diagnostics_t), intent(out) :: diagnostics
         real(dp) :: total((6 + n_account)*size(solid%bodies))
         real(dp) :: terms(6 + n_account, size(solid%bodies))
@@ -49,7 +50,7 @@ contains
 
     !> Room for what loop bodies record of particles; it is kept from one step to the next.
     subroutine begin_kick(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer :: n
 
         n = 0
@@ -64,7 +65,7 @@ contains
 
     !> Record the work of the loads in a kick, block by block.
     subroutine record_work(solid)
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         integer :: i, k
 
         if (.not. allocated(solid%load)) return
@@ -85,7 +86,7 @@ contains
 
     !> Record the heat of drag on body b, particle by particle.
     subroutine record_drag(solid, b)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         integer :: i
 
@@ -99,7 +100,7 @@ contains
 
     !> Go back to those of this process alone.
     subroutine close_all_diagnostics(solid, diagnostics)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         type(diagnostics_t), intent(in) :: diagnostics
 
         if (allocated(diagnostics%own)) call write_down(solid, diagnostics%own)
@@ -107,7 +108,7 @@ contains
 
     !> After a restart, which gives all processes the diagnostics of all: the first one keeps them.
     subroutine keep_diagnostics_of_first(solid)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         real(dp) :: nothing(6 + n_account, size(solid%bodies))
         integer :: b
 
@@ -121,7 +122,7 @@ contains
     end subroutine keep_diagnostics_of_first
 
     pure subroutine look(solid, diagnostics)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         real(dp), intent(out) :: diagnostics(:, :) !! (6 + energy account, bodies)
         integer :: b
 
@@ -133,7 +134,7 @@ contains
     end subroutine look
 
     pure subroutine write_down(solid, diagnostics)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: diagnostics(:, :) !! (6 + energy account, bodies)
         integer :: b
 

@@ -13,7 +13,7 @@ module brz_solid_fields
     use brz_solid_columns, only: at_accel, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, tag_bond, tag_unsupported, tag_fixed, tag_id, tag_joined, tag_ply, tag_support, &
         tag_face, tag_touch, tag_weight
-    use brz_solid_state, only: solid_t
+    use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
     public :: field_t, fields_t, fields_of, make_fields, resize_fields, memory_of, column_of_field
@@ -62,7 +62,7 @@ contains
 
     !> The fields that are there. Valid until one of them is allocated anew.
     subroutine fields_of(solid, fields)
-        type(solid_t), intent(inout), target :: solid
+        class(listed_bodies_t), intent(inout), target :: solid
         type(fields_t), intent(out) :: fields
 
         call walk(solid, fields)
@@ -71,7 +71,7 @@ contains
     !> Allocate what solid%n particles with solid%n_hist history variables need; bodies must be
     !> known. Numbers are 0, weights of contact 1.
     subroutine make_fields(solid, kept_alone)
-        type(solid_t), intent(inout), target :: solid
+        class(listed_bodies_t), intent(inout), target :: solid
         logical, intent(in), optional :: kept_alone !! only what a checkpoint holds
         type(fields_t) :: fields
 
@@ -89,7 +89,7 @@ contains
 
     !> Give the arrays room for so many particles, with what they hold of the first ones.
     subroutine resize_fields(solid, room)
-        type(solid_t), intent(inout), target :: solid
+        class(listed_bodies_t), intent(inout), target :: solid
         integer, intent(in) :: room
         type(fields_t) :: fields
 
@@ -99,7 +99,7 @@ contains
 
     !> The table. Arguments of a line: name, array, rows, if it is to be allocated, where it lies.
     subroutine walk(s, t)
-        type(solid_t), intent(inout), target :: s
+        class(listed_bodies_t), intent(inout), target :: s
         type(fields_t), intent(inout) :: t
         logical :: tilted, control, linked
         integer :: b

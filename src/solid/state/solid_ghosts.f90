@@ -6,6 +6,7 @@
 !> the particles of its body, and is never computed: what others need of it comes by message.
 module brz_solid_ghosts
     use, intrinsic :: iso_c_binding, only: c_loc
+    use brz_listed_bodies, only: listed_bodies_t
     use brz_hold_layout, only: control_stiffness
     use brz_kinds, only: rk
     use brz_link_layout, only: n_press
@@ -15,7 +16,7 @@ module brz_solid_ghosts
     use brz_ranks, only: ranks_t, several
     use brz_rows, only: rows_t
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_single, memory_of
-    use brz_solid_state, only: solid_t
+    use brz_solid_part, only: solid_part_t
     implicit none
     private
     public :: refresh_motion, refresh_rows, refresh_press, refresh_bonds, refresh_joined
@@ -35,26 +36,29 @@ module brz_solid_ghosts
 contains
 
     !> Fill the ghosts that are laid anew.
-    subroutine send_ghosts(solid)
-        type(solid_t), intent(inout) :: solid
+    subroutine send_ghosts(solid, part)
+        class(listed_bodies_t), intent(inout) :: solid
+        type(solid_part_t), intent(inout) :: part
 
-        call refresh(solid, for_a_ghost)
+        call refresh(solid, part, for_a_ghost)
     end subroutine send_ghosts
 
     !> Bring places, velocities, volumes and smoothing lengths of ghosts up to date.
-    subroutine refresh_motion(solid)
-        type(solid_t), intent(inout) :: solid
+    subroutine refresh_motion(solid, part)
+        class(listed_bodies_t), intent(inout) :: solid
+        type(solid_part_t), intent(inout) :: part
 
-        if (several(solid%ranks)) call refresh(solid, of_motion)
+        if (several(solid%ranks)) call refresh(solid, part, of_motion)
     end subroutine refresh_motion
 
     !> Bring what pass 1 has left of ghosts up to date; what of a body is held counts on both sides.
-    subroutine refresh_rows(solid)
-        type(solid_t), intent(inout) :: solid
+    subroutine refresh_rows(solid, part)
+        class(listed_bodies_t), intent(inout) :: solid
+        type(solid_part_t), intent(inout) :: part
         integer :: b
 
         if (.not. several(solid%ranks)) return
-        call refresh(solid, merge(of_linked_rows, of_rows, solid%links%present))
+        call refresh(solid, part, merge(of_linked_rows, of_rows, solid%links%present))
         if (.not. allocated(solid%control)) return
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
@@ -66,23 +70,26 @@ contains
     end subroutine refresh_rows
 
     !> Bring the bonds of ghosts up to date.
-    subroutine refresh_bonds(solid)
-        type(solid_t), intent(inout) :: solid
+    subroutine refresh_bonds(solid, part)
+        class(listed_bodies_t), intent(inout) :: solid
+        type(solid_part_t), intent(inout) :: part
 
-        if (several(solid%ranks) .and. solid%links%bonds) call refresh(solid, of_bonds)
+        if (several(solid%ranks) .and. solid%links%bonds) call refresh(solid, part, of_bonds)
     end subroutine refresh_bonds
 
     !> Bring up to date which cohesive interfaces hold ghosts.
-    subroutine refresh_joined(solid)
-        type(solid_t), intent(inout) :: solid
+    subroutine refresh_joined(solid, part)
+        class(listed_bodies_t), intent(inout) :: solid
+        type(solid_part_t), intent(inout) :: part
 
-        if (several(solid%ranks)) call refresh(solid, of_interfaces)
+        if (several(solid%ranks)) call refresh(solid, part, of_interfaces)
     end subroutine refresh_joined
 
     !> Bring the pressures of contact of ghosts up to date: those of rows, not of places. Row 0, of
     !> what has no links, is nil.
-    subroutine refresh_press(solid)
-        type(solid_t), intent(inout), target :: solid
+    subroutine refresh_press(solid, part)
+        class(listed_bodies_t), intent(inout), target :: solid
+        type(solid_part_t), intent(inout) :: part
         type(fields_t) :: fields
         type(message_buffers_t) :: out, in
 
@@ -91,25 +98,24 @@ contains
         fields%particles = size(solid%links%press, 2)
         fields%of(1) = field_t('press', merge(is_double, is_single, storage_size(1.0_rk) == 64), &
                                n_press, values=c_loc(solid%links%press))
-        associate (n => solid%ranks%n, part => solid%part)
+        associate (n => solid%ranks%n)
             out = message_buffers_t(solid%links%row(part%out%place(:part%out%first(n) - 1)) + 1, &
                             part%out%first)
             in = message_buffers_t(solid%links%row(part%in%place(:part%in%first(n) - 1)) + 1, &
                 part%in%first)
         end associate
         call send_particles(solid%ranks, of_linked_rows, fields, out, fields, in, &
-            solid%part%exchange)
+            part%exchange)
     end subroutine refresh_press
 
-    subroutine refresh(solid, what)
-        type(solid_t), intent(inout), target :: solid
+    subroutine refresh(solid, part, what)
+        class(listed_bodies_t), intent(inout), target :: solid
+        type(solid_part_t), intent(inout) :: part
         integer, intent(in) :: what
         type(fields_t) :: fields
 
         call fields_of(solid, fields)
-        associate (part => solid%part)
-            call send_particles(solid%ranks, what, fields, part%out, fields, part%in, part%exchange)
-        end associate
+        call send_particles(solid%ranks, what, fields, part%out, fields, part%in, part%exchange)
     end subroutine refresh
 
     !> Send fields of particles to other processes. `from` and `to` have the same fields of those

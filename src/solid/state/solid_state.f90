@@ -1,105 +1,17 @@
 ! SPDX-License-Identifier: MIT
-!> The state of the solids: particles, sorted body by body and by cell within a body.
-!>
-!> Time levels: x, stress and history live at the step, v half a step before (leapfrog). The
-!> velocity at the step is v + dt_last/2 a. A kick is v += (dt_last + dt)/2 a + dt load/mass.
+!> The whole state of the solids: the bodies, and where they are computed: on which processes, and
+!> what they have on a GPU. For drivers, and for what moves particles between processes or to a GPU;
+!> `make lint` bounds how many files use it. Others name the layer that they need.
 module brz_solid_state
-    use brz_body, only: body_t
-    use brz_body_pair, only: body_pair_force_t
-    use brz_cohesive_state, only: cohesive_t
-    use brz_kinds, only: dp, int16, int32, int64, int8, real32, rk
-    use brz_links, only: links_t
-    use brz_loads, only: loads_t
-    use brz_material, only: material_t
-    use brz_ranks, only: ranks_t
-    use brz_search_arrays, only: search_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_solid_device, only: solid_device_t
     use brz_solid_part, only: solid_part_t
     implicit none
     private
     public :: solid_t
 
-    type :: solid_t
-        logical :: present = .false.
-        logical :: on_gpu = .false. !! it is computed there; the arrays below are fetched
-        type(solid_device_t), pointer :: device => null() !! what it has there besides
-        type(ranks_t) :: ranks !! the processes that share the particles
-        type(solid_part_t) :: part !! what this one has to do with others
-        integer :: n = 0 !! particles, with the ghosts of those of other processes
-        integer :: wide = 3 !! rows of x and v; on a GPU there are four
-        integer :: stride_d = 1, stride_p = 3 !! distances in `load` of directions, of particles
-        integer :: stride_t = 6 !! distance of particles in `face_stress`
-        integer :: n_hist = 0 !! history variables kept per particle
-        integer :: dimension = 3 !! 3, or 2 (plane strain), or 1
-        logical :: mirror(3) = .false. !! symmetry plane through the origin normal to each axis
-        real(dp) :: depth = 1 !! extent of directions that are not modelled, multiplied [m or m2]
-        real(dp) :: time = 0 !! since the start, of the steps taken [s]
-        real(dp) :: dt_last = 0 !! last time step [s]
-        real(dp) :: dt_limit = 0 !! the smallest of the bodies' and that of contact, part of a
-                                 !! checkpoint [s]
-        real(dp) :: skin = 0 !! of the neighbour list [m]
-        logical :: remove = .false. !! what leaves the region is taken out
-        !> Corners of the region whose leaving is watched [m].
-        real(dp) :: region(3, 2) = reshape([-huge(1.0_dp), -huge(1.0_dp), -huge(1.0_dp), &
-                                            huge(1.0_dp), huge(1.0_dp), huge(1.0_dp)], [3, 2])
-        integer(int64) :: steps = 0, rebuilds = 0
-        type(body_t), allocatable :: bodies(:)
-        type(material_t), allocatable :: materials(:)
-        real(dp), allocatable :: x(:, :) !! (3, n) position [m]
-        real(dp), allocatable :: x_ref(:, :) !! (3, n) position in the unloaded body [m]
-        real(dp), allocatable :: x_built(:, :) !! (3, n) position when the list was built [m]
-        real(rk), allocatable :: v(:, :) !! (3, n) velocity, half a step before [m/s]
-        real(rk), allocatable :: a(:, :) !! (3, n) acceleration by internal forces [m/s2]
-        real(rk), allocatable :: load(:, :) !! (3, n) force of the air, set by the coupling; only
-                                            !! where there is air [N]
-        real(rk), allocatable :: face_stress(:, :) !! (6, n) stress of the load on its faces, see
-                                                   !! brz_face_stress; only with loads [Pa]
-        real(rk), allocatable :: v_before(:, :) !! (3, n) velocity at the last step of the air; only
-                                                !! where there is air, on several processes [m/s]
-        real(rk), allocatable :: reaction_force(:, :) !! (3, n) force on what holds a particle at
-                                                      !! the step;
-                                            !! only where a gauge asks for it [N]
-        real(dp), allocatable :: work(:) !! (n) of the loads in a kick; heat of drag; else 0 [J]
-        integer, allocatable :: moved(:, :) !! (lost_level, bodies) 1: some particle has moved so
-                                            !! far since its list was built
-        logical :: impulses = .false. !! a gauge asks for those of the load
-        type(body_pair_force_t), allocatable :: between(:) !! pairs of bodies that gauges ask for
-        real(rk), allocatable :: mass(:) !! (n) [kg]
-        real(rk), allocatable :: mu(:) !! (n) compression rho/rho0 - 1 [-]
-        real(rk), allocatable :: energy(:) !! (n) specific internal energy [J/kg]
-        real(rk), allocatable :: stress(:, :) !! (6, n) Cauchy stress, tension positive [Pa]
-        real(rk), allocatable :: hist(:, :) !! (n_hist, n) history of the material model
-        real(rk), allocatable :: damage(:) !! (n) damage as pair forces see it, 0..1
-        real(rk), allocatable :: volume(:) !! (n) as pass 1 sees it [m3]
-        real(rk), allocatable :: h(:) !! (n) smoothing length; only where a body varies it [m]
-        real(real32), allocatable :: k_axes(:, :) !! (6, n) hourglass stiffness xx, yy, zz, xy, yz,
-                                                  !! xz; only where a body has one along axes [Pa]
-        real(real32), allocatable :: tilt(:) !! (n) of the gradient in the outermost layers of
-                                             !! plies and plates, see brz_one_sided_arm; only where
-                                             !! a body has a normal [1/m]
-        real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
-        real(rk), allocatable :: control(:, :) !! (n_control, n) the tensile control, where a body
-                                               !! has it; by pass 1
-        real(rk), allocatable :: control_due(:) !! (n) where `held` is: energy of the tensile
-                                                !! control, and its work
-                                         !! in the half step to come; the rest became heat [J]
-        integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
-        integer(int16), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
-        integer(int32), allocatable :: fixed(:) !! (n) is_free, is_fixed, is_gone, or marks of
-                                                !! brz_support
-        integer(int8), allocatable :: unsupported(:) !! (n) 1: hourglass support lost for good
-        integer(int16), allocatable :: support(:) !! (n) neighbours in the unloaded body
-        integer, allocatable :: block(:, :) !! (3, blocks) body, first and last particle of a block
-        character(:), allocatable :: notes !! warnings of the set-up, line by line
-        type(search_t) :: search
-        ! neighbours of a group: entries first(g)..first(g+1)-1 of `list`, its members among them;
-        ! mirror images, only where there are planes: entries image_first(g)..image_first(g+1)-1
-        integer(int64), allocatable :: first(:), image_first(:) !! (groups and an end for each body)
-        integer(int32), allocatable :: list(:) !! particles within reach of a member
-        integer(int32), allocatable :: image(:) !! particles whose image is within reach of one
-        integer(int8), allocatable :: mask(:) !! mirrored axes of an image, bits 0..2
-        type(links_t) :: links !! between different bodies
-        type(cohesive_t) :: cohesive !! interfaces with a law of their own
-        type(loads_t) :: loads !! pressures on faces, in scenes without air
+    type, extends(interacting_bodies_t) :: solid_t
+        type(solid_part_t) :: part !! what this process has to do with others
+        type(solid_device_t), pointer :: device => null() !! what it has on a GPU besides
     end type solid_t
 end module brz_solid_state

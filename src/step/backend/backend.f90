@@ -7,7 +7,7 @@ module brz_backend
     use brz_files, only: program_path
     use brz_gpu_solid_bodies, only: cannot_run_solid
     use brz_ranks, only: ranks_t, several
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     use brz_text, only: to_text
     use brz_version, only: device_code
     implicit none
@@ -54,7 +54,7 @@ contains
     !> Decide on what the scene holds once it is set up.
     subroutine settle_backend(wanted, solid, coupling, backend, note, err)
         character(*), intent(in) :: wanted !! 'cpu', 'gpu', 'auto'
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(in) :: coupling
         type(backend_t), intent(inout) :: backend
         character(:), allocatable, intent(out) :: note !! what the user should know, '' for nothing

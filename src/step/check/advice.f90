@@ -16,7 +16,7 @@ module brz_advice
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast
     use brz_mirror_planes, only: mirror_planes
     use brz_scene_size, only: count_text
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     use brz_text, only: to_text
     use brz_work, only: core_seconds, work_t
     implicit none
@@ -33,7 +33,7 @@ contains
     !> All advice for a scene, a line each.
     subroutine print_advice(case, solid, work, early)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(in) :: solid !! its bodies and materials
+        class(bodies_t), intent(in) :: solid !! its bodies and materials
         type(work_t), intent(in) :: work
         type(early_t), intent(in) :: early !! a blast before the run, if it is known
 

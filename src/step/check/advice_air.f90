@@ -12,7 +12,7 @@ module brz_advice_air
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, nearest
     use brz_material, only: class_elastic, class_metal, material_t
     use brz_scene_size, only: count_text
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     use brz_text, only: to_text
     use brz_work, only: cell_seconds, particle_seconds, work_t
     implicit none
@@ -31,7 +31,7 @@ contains
     !> A single box before a sphere of TNT: may the air take it for a wall that stands?
     subroutine advise_still(case, solid, work)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(in) :: solid !! its body and materials
+        class(bodies_t), intent(in) :: solid !! its body and materials
         type(work_t), intent(in) :: work
         real(dp) :: at(3), lo(3), hi(3), thick, move, share, saved
 

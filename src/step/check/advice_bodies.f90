@@ -9,7 +9,7 @@ module brz_advice_bodies
     use brz_kinds, only: dp, real32
     use brz_material, only: class_elastic, class_fluid, class_metal
     use brz_scene_size, only: count_text
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     use brz_text, only: to_text
     use brz_thin_bodies, only: is_bonded
     use brz_work, only: particle_seconds, work_t
@@ -55,7 +55,7 @@ contains
     !> (docs/evidence/validation.md).
     subroutine advise_aspect(case, solid, work)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(work_t), intent(in) :: work
         real(dp) :: lo(3), hi(3), side(3)
         integer :: a, layers
@@ -90,7 +90,7 @@ contains
     !> (tests/python/test_cracks.py).
     subroutine advise_cracks(case, solid, work)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(work_t), intent(in) :: work
         real(dp) :: lo(3), hi(3), most, most_of_cracks, thin
         integer :: b, d, times
@@ -127,7 +127,7 @@ contains
     !> (docs/theory/plates.md).
     subroutine advise_walls(case, solid)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer :: b, layers
         integer, parameter :: many = 8
 
@@ -153,7 +153,7 @@ contains
     !> and rising, with 3, 5 and 6 layers 1.16 to 1.23.
     subroutine advise_layers(case, solid)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         real(dp) :: lo(3), hi(3), side(3)
         integer :: a, b, d
 

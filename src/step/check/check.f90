@@ -26,7 +26,8 @@ module brz_check
     use brz_screen, only: say
     use brz_simulation, only: simulation_t
     use brz_solid_arrays, only: bytes_per_particle
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_tensile_control, only: kappa_of
     use brz_solid_start, only: solid_time_step
     use brz_text, only: to_text
@@ -118,7 +119,7 @@ contains
     subroutine print_cost(case, size_of, solid, gpus, early)
         type(case_t), intent(in) :: case
         type(scene_size_t), intent(in) :: size_of
-        type(solid_t), intent(in) :: solid !! its bodies and materials
+        class(bodies_t), intent(in) :: solid !! its bodies and materials
         logical, intent(in) :: gpus !! a GPU will compute it
         type(early_t), intent(in) :: early !! a blast before the run, if it is known
         real(dp), parameter :: slack = 1e-9_dp !! rounding of a time, in intervals
@@ -162,7 +163,7 @@ contains
     !> What all of it comes to; warnings have been written on the error unit.
     subroutine print_verdict(case, solid, sound, more)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         character(*), intent(in) :: sound
         integer, intent(in), optional :: more !! warnings besides those of both
         character(:), allocatable :: verdict
@@ -180,7 +181,7 @@ contains
     !> Materials of the bodies; their Hugoniot where two bodies of them would meet at full speed.
     subroutine check_materials(case, solid)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer :: m
 
         do m = 1, size(case%materials)
@@ -246,7 +247,7 @@ contains
 
     !> Points, zones, stiffness and stable step of every cohesive interface.
     subroutine check_interfaces(solid)
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         real(dp) :: sums(4)
         integer :: k
 
@@ -300,7 +301,7 @@ contains
     !> Why a body has its formulation, and how it is held.
     function reason(case, solid, b) result(text)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b !! body
         character(:), allocatable :: text
         character(1), parameter :: axis_names(3) = ['x', 'y', 'z']
@@ -335,7 +336,7 @@ contains
     !> Formulation and viscosity of body b, its bars or plies.
     subroutine print_settings(case, solid, b)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(in) :: b
 
         associate (body => solid%bodies(b))

@@ -17,7 +17,10 @@ module brz_run_ranks
     use brz_solid_arrays, only: bytes_per_particle
     use brz_ghost_wants, only: find_lowest, has_boxes, owners_of, is_needed, wants_of
     use brz_solid_regions, only: cut_regions, region_of
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
+    use brz_solid_part, only: solid_part_t
     use brz_text, only: to_text
     use omp_lib, only: omp_get_max_threads, omp_get_num_procs, omp_set_num_threads
     implicit none
@@ -128,7 +131,7 @@ contains
     subroutine print_regions(case, size_of, solid, n)
         type(case_t), intent(in) :: case
         type(scene_size_t), intent(in) :: size_of
-        type(solid_t), intent(inout) :: solid !! built
+        class(interacting_bodies_t), intent(inout) :: solid !! built
         integer, intent(in) :: n !! processes
         real(dp) :: region(3, 2, 0:n - 1)
         integer :: ghosts(0:n - 1), copies(0:n - 1), own(0:n - 1), r
@@ -155,7 +158,7 @@ contains
     subroutine count_coupling_ghosts(case, boxes, solid, copies)
         type(case_t), intent(in) :: case
         type(cells_t), intent(in) :: boxes(0:) !! (processes)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         integer, intent(out) :: copies(0:) !! (processes)
         type(cells_t) :: halos(0:ubound(copies, 1))
         integer :: b, cell(3), i, r
@@ -181,19 +184,20 @@ contains
     !> Particles in each region, and those of others that its lists may reach or its points of
     !> interfaces see.
     subroutine count_in_regions(solid, region, own, ghosts)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: region(:, :, 0:) !! (3, 2, regions) [m]
         integer, intent(out) :: own(0:), ghosts(0:) !! (regions)
+        type(solid_part_t) :: part !! what each has to do with others
         real(dp), allocatable :: want(:, :, :)
         integer(int32) :: marked(solid%n, 0:ubound(region, 3)) !! 1: needed as a ghost
         integer :: b, home(solid%n), i, r
 
-        call find_owners(solid, region, home)
-        call find_lowest(solid)
+        call find_owners(solid, region, home, part%boxes)
+        call find_lowest(solid, part)
         own = [(count(home == r), r=0, ubound(region, 3))]
         marked = 0
         do b = 1, size(solid%bodies)
-            want = wants_of(solid, b, region)
+            want = wants_of(solid, part, b, region)
             do i = solid%bodies(b)%first, solid%bodies(b)%last
                 do r = 0, ubound(region, 3)
                     if (is_needed(solid, want(:, :, r + 1), b, i)) marked(i, r) = 1
@@ -206,7 +210,7 @@ contains
 
     !> Mark the particles that the points of each process see.
     subroutine mark_seen(solid, home, marked)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         integer, intent(in) :: home(:) !! (particles) process, from 0
         integer(int32), intent(inout) :: marked(:, 0:) !! (particles, processes)
         integer(int32) :: sent(size(marked))
@@ -231,15 +235,16 @@ contains
     end subroutine mark_seen
 
     !> The region of each particle, and the boxes of what is in each.
-    subroutine find_owners(solid, region, home)
-        type(solid_t), intent(inout) :: solid
+    subroutine find_owners(solid, region, home, boxes)
+        class(listed_bodies_t), intent(in) :: solid
         real(dp), intent(in) :: region(:, :, 0:) !! (3, 2, regions) [m]
         integer, intent(out) :: home(:) !! (particles)
+        real(dp), allocatable, intent(out) :: boxes(:, :, :, :)
+        !! (3, 2, bodies, 0:regions-1), where links want them [m]
         real(dp), pointer, contiguous :: x(:, :)
         integer :: b, i
 
-        if (has_boxes(solid)) allocate (solid%part%boxes(3, 2, size(solid%bodies), &
-                                                         0:ubound(region, 3)))
+        if (has_boxes(solid)) allocate (boxes(3, 2, size(solid%bodies), 0:ubound(region, 3)))
         do b = 1, size(solid%bodies)
             x => owners_of(solid, b)
             do i = solid%bodies(b)%first, solid%bodies(b)%last
@@ -254,10 +259,10 @@ contains
             integer, intent(in) :: b
             integer :: i
 
-            solid%part%boxes(:, 1, b, :) = huge(1.0_dp)
-            solid%part%boxes(:, 2, b, :) = -huge(1.0_dp)
+            boxes(:, 1, b, :) = huge(1.0_dp)
+            boxes(:, 2, b, :) = -huge(1.0_dp)
             do i = solid%bodies(b)%first, solid%bodies(b)%last
-                associate (box => solid%part%boxes(:, :, b, home(i)))
+                associate (box => boxes(:, :, b, home(i)))
                     box(:, 1) = min(box(:, 1), solid%x_built(:, i))
                     box(:, 2) = max(box(:, 2), solid%x_built(:, i))
                 end associate

@@ -14,7 +14,7 @@ module brz_scene_size
     use brz_kinds, only: dp, int64, real32, rk
     use brz_memory, only: free_memory
     use brz_solid_arrays, only: allocate_solid, bytes_per_particle
-    use brz_solid_state, only: solid_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_ranks, only: ranks_t
     use brz_text, only: to_text
     implicit none
@@ -40,7 +40,7 @@ module brz_scene_size
         real(dp) :: peak_bytes = 0 !! most that the program holds
         real(dp) :: dt_air = huge(1.0_dp), dt_solid = huge(1.0_dp) !! at the start, about [s]
         real(dp) :: quiet = 0 !! until the first load, which is one step [s]
-        type(solid_t) :: solid !! materials and settings of the bodies, and what there is to note
+        type(interacting_bodies_t) :: solid !! materials and settings of the bodies, and what there is to note
     end type scene_size_t
 
 contains
@@ -145,8 +145,8 @@ contains
     !> Memory of a particle without lists: that of a few particles of the same bodies [B].
     real(dp) function of_particle(case, solid)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(in) :: solid
-        type(solid_t) :: few
+        type(interacting_bodies_t), intent(in) :: solid
+        type(interacting_bodies_t) :: few
         integer :: b
 
         few = solid

@@ -8,7 +8,7 @@ module brz_work
         form_uncorrected
     use brz_kinds, only: dp
     use brz_material, only: material_t
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     use omp_lib, only: omp_get_max_threads
     implicit none
     private
@@ -61,7 +61,7 @@ contains
 
     !> Seconds of one core for a step of a particle, by body.
     pure function particle_costs(solid) result(costs)
-        type(solid_t), intent(in) :: solid !! its bodies and materials
+        class(bodies_t), intent(in) :: solid !! its bodies and materials
         real(dp), allocatable :: costs(:) !! (bodies) [s]
         integer :: b
 

@@ -15,7 +15,7 @@ module brz_blast_output
     use brz_output_folder, only: folder_fresh, folder_replace, prepare_folder
     use brz_screen, only: say
     use brz_signals, only: stop_asked
-    use brz_solid_state, only: solid_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_text, only: to_text
     use brz_timer, only: wall_seconds
     implicit none
@@ -52,7 +52,7 @@ contains
         type(case_t), intent(in) :: case
         type(blast_output_t), intent(inout) :: out
         type(error_t), intent(inout) :: err
-        type(solid_t) :: solid
+        type(interacting_bodies_t) :: solid
         character(64), allocatable :: names(:)
         character(:), allocatable :: note
 
@@ -77,7 +77,7 @@ contains
         type(blast_output_t), intent(inout) :: out
         real(dp), intent(in) :: time !! [s]
         type(error_t), intent(inout) :: err
-        type(solid_t) :: solid
+        type(interacting_bodies_t) :: solid
         real(dp) :: row(out%gauges%n + 1)
 
         row(1) = time

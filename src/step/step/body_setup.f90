@@ -33,7 +33,9 @@ module brz_body_setup
     use brz_start_fields, only: move_from_dump, start_from_file
     use brz_soft_bodies, only: judge_soft
     use brz_solid_arrays, only: allocate_solid
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
+    use brz_listed_bodies, only: listed_bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_text, only: string_t
     use brz_thin_bodies, only: judge_bars, judge_thin
     use brz_threads, only: worth_threads
@@ -47,7 +49,7 @@ contains
     !> Materials, bodies and particles of a case.
     subroutine set_up_solid(case, solid, err)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(out) :: solid
+        class(interacting_bodies_t), intent(out) :: solid
         type(error_t), intent(inout) :: err
         type(points_t), allocatable :: points(:)
         type(held_t) :: found
@@ -113,7 +115,7 @@ contains
     !> What gauges of whole bodies ask the steps for.
     subroutine set_up_watch(case, solid)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         integer :: g, k, pair(2)
 
         if (.not. allocated(case%gauges)) return
@@ -137,9 +139,10 @@ contains
     !> Materials, settings and shapes of the bodies of a case: all but their particles.
     subroutine geometry_of_solid(case, solid, points, err)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(out) :: solid
+        class(listed_bodies_t), intent(out) :: solid
         type(points_t), allocatable, intent(out) :: points(:)
         type(error_t), intent(inout) :: err
+        integer :: b
 
         solid%notes = ''
         solid%present = case%solid%present .and. size(case%bodies) > 0
@@ -150,7 +153,8 @@ contains
         allocate (solid%bodies(size(case%bodies)), points(size(case%bodies)))
         call lay_bodies(case, solid, points, err)
         if (failed(err)) return
-        solid%n_hist = maxval(solid%materials(solid%bodies%material)%n_hist)
+        solid%n_hist = maxval([(solid%materials(solid%bodies(b)%material)%n_hist, &
+                                b=1, size(solid%bodies))])
     end subroutine geometry_of_solid
 
     !> All materials; their faults are told together.
@@ -182,7 +186,7 @@ contains
     !> Lattices and settings of all bodies.
     subroutine lay_bodies(case, solid, points, err)
         type(case_t), intent(in) :: case
-        type(solid_t), intent(inout) :: solid
+        class(listed_bodies_t), intent(inout) :: solid
         type(points_t), intent(out) :: points(:)
         type(error_t), intent(inout) :: err
         real(dp) :: middle(3), speed
@@ -238,7 +242,7 @@ contains
     !> Ranges of particles of all bodies.
     subroutine number_particles(points, solid)
         type(points_t), intent(in) :: points(:)
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         integer :: b
 
         solid%n = 0
@@ -281,7 +285,7 @@ contains
     subroutine fill_body(input, points, solid, body)
         type(body_case_t), intent(in) :: input
         type(points_t), intent(in) :: points
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         type(point_t) :: point
         real(dp) :: volume

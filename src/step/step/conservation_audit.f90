@@ -15,6 +15,7 @@ module brz_conservation_audit
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp, int64, rk
     use brz_solid_diagnostics, only: diagnostics_t, close_all_diagnostics, open_all_diagnostics
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: n_sum, solid_totals_t, totals_of_sums
     use brz_total_driver, only: sums_of_bodies
@@ -228,7 +229,7 @@ contains
 
     !> Energy of bodies at rest by rounding: their velocities are some roundings of sound [J].
     pure real(dp) function rounding_energy(solid, mass)
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         real(dp), intent(in) :: mass !! of all bodies [kg]
 
         rounding_energy = 0
@@ -318,7 +319,7 @@ contains
 
     !> Columns of bodies.csv.
     subroutine body_names(solid, names)
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         character(64), allocatable, intent(out) :: names(:)
         integer :: b, i
 
@@ -338,7 +339,7 @@ contains
     end subroutine body_names
 
     pure integer function interfaces_of(solid) result(n)
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
 
         n = 0
         if (solid%cohesive%present) n = size(solid%cohesive%law)
@@ -347,7 +348,7 @@ contains
     !> The row that belongs to the columns of bodies.csv.
     pure subroutine body_row(audit, solid, row)
         type(balance_t), intent(in) :: audit !! of the present state
-        type(solid_t), intent(in) :: solid
+        class(interacting_bodies_t), intent(in) :: solid
         real(dp), intent(out) :: row(:) !! (1 + n_body bodies + n_interface interfaces)
         real(dp) :: sums(4)
         integer :: first, k

@@ -14,7 +14,7 @@ module brz_paper_step
     use brz_errors, only: error_t
     use brz_kinds, only: dp
     use brz_runge_kutta, only: share_of
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     implicit none
     private
     public :: paper_step, move_paper_walls
@@ -25,7 +25,7 @@ contains
     !> the weights of the stages, even shares for the particles of a cell).
     subroutine paper_step(air, solid, coupling, dt, status, err)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(inout) :: solid
+        class(bodies_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: dt !! [s]
         integer, intent(out) :: status !! as air_step has it
@@ -53,7 +53,7 @@ contains
     !> gas it was filled with.
     subroutine move_paper_walls(air, solid, coupling, err)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
         integer :: moved

@@ -15,6 +15,8 @@ module brz_solid_start
     use brz_solid_motion, only: count_support
     use brz_solid_list_driver, only: build_neighbours
     use brz_contact_surface, only: find_contact_surface
+    use brz_bodies, only: bodies_t
+    use brz_interacting_bodies, only: interacting_bodies_t
     use brz_solid_state, only: solid_t
     use brz_solid_driver, only: find_forces_of, solid_step
     use brz_solid_tilts, only: find_tilts
@@ -38,10 +40,10 @@ contains
         call build_neighbours(solid, .true., err)
         call size_particles(solid)
         call count_support(solid)
-        call refresh_motion(solid)
+        call refresh_motion(solid, solid%part)
         call refuse_doubles(solid, err)
         if (solid%links%bonds) call first_bonds(solid)
-        call refresh_bonds(solid)
+        call refresh_bonds(solid, solid%part)
         if (solid%links%present) call find_touch(solid)
         call find_tilts(solid)
         unsupported = count(solid%unsupported /= 0)
@@ -59,12 +61,12 @@ contains
         if (.not. solid%present) return
         call build_neighbours(solid, .false., err)
         call size_particles(solid)
-        call refresh_motion(solid)
+        call refresh_motion(solid, solid%part)
     end subroutine resume_solid
 
     !> Volumes and smoothing lengths of all particles.
     subroutine size_particles(solid)
-        type(solid_t), intent(inout) :: solid
+        class(interacting_bodies_t), intent(inout) :: solid
         integer :: k
 
         do k = 1, size(solid%block, 2)
@@ -74,7 +76,7 @@ contains
 
     !> Largest allowed time step: the CFL limit, and at most 5 % more than the last step [s].
     pure real(dp) function solid_time_step(solid) result(dt)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
 
         dt = solid%dt_limit
         if (solid%dt_last > 0) dt = min(dt, growth*solid%dt_last)
