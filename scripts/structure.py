@@ -219,8 +219,8 @@ def common_state(sources):
         if len(users) > most:
             yield (
                 f"{users[-1].name}:{users[-1].uses[f'brz_{name}']}: {len(users)} files use "
-                f"brz_{name}; at most {most}: take a layer below it (docs/extending.md, The state "
-                "of the solids), or the components that are needed"
+                f"brz_{name}; at most {most}: take a layer below it (src/README.md, The state of "
+                "the solids), or the components that are needed"
             )
 
 

@@ -11,7 +11,7 @@
 module brz_column_loop_bodies
     use brz_cell_shells, only: index_along
     use brz_column_rules, only: direction_of, height_of, side_of, sign_of
-    use brz_coupling_box, only: box_t, go_on, is_own, place_at
+    use brz_coupling_box, only: box_t, go_on, place_at
     use brz_face_layers, only: layers_t
     use brz_face_stress, only: load_below
     use brz_kinds, only: dp, int32, int64, int8, rk
@@ -19,7 +19,7 @@ module brz_column_loop_bodies
     use brz_scheme, only: mixture_gamma, scheme_t
     implicit none
     private
-    public :: find_above, weigh_column, find_wall_pressure, add_wall_impulse, record_face, &
+    public :: find_above, weigh_column, find_wall_pressure, add_wall_impulse, &
         load_particle
     public :: bear_load, depth_weight, force_from, look_ahead
 
@@ -232,35 +232,6 @@ contains
         force(f) = gauge_force(sign_of(rows(f)), impulse(f), box%reference, &
                                box%area(direction_of(rows(f))), dt)
     end subroutine add_wall_impulse
-
-    !> The diagnostics of work and impulse, as the air sees them.
-    !@loop_body
-    !@cuf attributes(host,device) &
-    pure subroutine record_face(f, box, dt, gas, rows, owner, impulse, v, work, given, taken)
-        integer, intent(in) :: f !! wall faces
-        type(box_t), intent(in) :: box
-        real(dp), intent(in) :: dt !! step of the air [s]
-        integer(int32), intent(in) :: gas(*), rows(*), owner(*)
-        real(rk), intent(in) :: impulse(*), v(3, *)
-        real(dp), intent(inout) :: work(2) !@sum of all pressure, of the reference pressure [J]
-        real(dp), intent(inout) :: given(3) !@sum of impulses given to the solid [N s]
-        real(dp), intent(inout) :: taken(3) !@sum of what was taken off [N s]
-        real(dp) :: push, reference, speed
-        integer :: d, s
-
-        if (.not. is_own(box, gas(f))) return
-        s = sign_of(rows(f))
-        push = s*real(impulse(f), dp)
-        reference = s*box%reference*box%area(direction_of(rows(f)))*dt
-        speed = v(direction_of(rows(f)), owner(f))
-        work(1) = work(1) + push*speed
-        work(2) = work(2) + reference*speed
-        do d = 1, 3
-            if (d /= direction_of(rows(f))) cycle
-            given(d) = given(d) + (push - reference)
-            taken(d) = taken(d) + reference
-        end do
-    end subroutine record_face
 
     !> Load of each particle, from all faces whose columns reach its cell.
     !@loop_body

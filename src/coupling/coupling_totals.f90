@@ -4,7 +4,7 @@ module brz_coupling_totals
     use brz_air_state, only: air_t
     use brz_air_totals, only: air_totals
     use brz_coupling_state, only: coupling_diagnostics_t, coupling_t, n_sums, put_sums, sums_in
-    use brz_deferred_source_loops, only: each_total_deferred_source
+    use brz_coupling_sum_loops, only: each_total_deferred_source
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64, rk
     use brz_ranks, only: least_of_all, ranks_t, several, sum_of_all

@@ -5,9 +5,10 @@ module brz_deferred_source_driver
     use brz_air_state, only: air_t
     use brz_coupling_device, only: diag_at, diag_images, diag_low
     use brz_coupling_state, only: coupling_t
+    use brz_coupling_sum_loops, only: for_each_total_deferred_source
     use brz_deferred_source_loops, only: for_each_enter_deferred_source, for_each_flag_own, &
         for_each_move_deferred_source, for_each_release_deferred_source, &
-        for_each_settle_deferred_source, for_each_total_deferred_source
+        for_each_settle_deferred_source
     use brz_donor_loops, only: for_each_choose_shell, for_each_collect_shares, for_each_fill_left, &
         for_each_flag_buried, for_each_list_buried, for_each_defer_donation
     use brz_errors, only: error_t

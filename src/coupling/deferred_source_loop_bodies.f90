@@ -4,13 +4,13 @@
 !> time.
 module brz_deferred_source_loop_bodies
     use brz_coupling_box, only: box_t, is_own, place_at
-    use brz_kinds, only: dp, int32, int64, int8, rk
+    use brz_kinds, only: int32, int64, int8, rk
     use brz_cell_store_rules, only: release_deferred
     use brz_scheme, only: max_var
     implicit none
     private
     public :: release_deferred_source, settle_deferred_source, move_deferred_source, &
-        enter_deferred_source, total_deferred_source, flag_own
+        enter_deferred_source, flag_own
 
 contains
 
@@ -131,22 +131,4 @@ contains
 
         slot(cell(e)) = e
     end subroutine enter_deferred_source
-
-    !> Sum of the deferred sources of this process.
-    !@loop_body
-    !@cuf attributes(host,device) &
-    pure subroutine total_deferred_source(e, box, n_var, cell, deferred, total)
-        integer, intent(in) :: e !! deferred sources
-        type(box_t), intent(in) :: box
-        integer, intent(in) :: n_var !! variables
-        integer(int32), intent(in) :: cell(*)
-        real(rk), intent(in) :: deferred(n_var, *)
-        real(dp), intent(inout) :: total(6) !@exact per cell volume
-        integer :: k
-
-        if (.not. is_own(box, cell(e))) return
-        do k = 1, 6
-            if (k <= n_var) total(k) = total(k) + deferred(k, e)
-        end do
-    end subroutine total_deferred_source
 end module brz_deferred_source_loop_bodies

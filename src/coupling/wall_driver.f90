@@ -3,11 +3,11 @@
 !> their order.
 module brz_wall_driver
     use brz_air_state, only: air_t
-    use brz_column_loops, only: for_each_bear_load, for_each_record_face, &
-        for_each_find_wall_pressure, for_each_load_particle, for_each_add_wall_impulse, &
-        for_each_weigh_column
+    use brz_column_loops, only: for_each_add_wall_impulse, for_each_bear_load, &
+        for_each_find_wall_pressure, for_each_load_particle, for_each_weigh_column
     use brz_coupling_device, only: diag_at, diag_work
     use brz_coupling_state, only: coupling_t
+    use brz_coupling_sum_loops, only: for_each_record_face
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int32, rk
     use brz_particles, only: particles_t

@@ -4,12 +4,13 @@
 !> Results do not depend on the number of threads.
 module brz_solid_contact
     use brz_contact, only: link_sum, n_link
-    use brz_contact_loop_bodies, only: kept_early, kept_energy, kept_heat, kept_rub, n_kept, &
-        press_particle, push_particle, sum_links
+    use brz_contact_loop_bodies, only: press_particle, push_particle, sum_links
+    use brz_energy_account, only: n_kept
     use brz_force_layout, only: at_drag, at_stiff, n_terms
     use brz_listed_bodies, only: listed_bodies_t
     use brz_kinds, only: dp, real32, rk
     use brz_link_rows, only: joined_of
+    use brz_solid_diagnostics, only: record_contact
     use brz_solid_ghosts, only: refresh_motion, refresh_press, refresh_rows
     use brz_solid_part, only: solid_part_t
     use brz_threads, only: worth_threads
@@ -56,25 +57,8 @@ contains
         end do
         solid%dt_limit = limit
         if (solid%links%faces) call refresh_rows(solid, part) ! with what contact brings by the faces
-        call diag(solid)
+        call record_contact(solid)
     end subroutine contact_pass
-
-    !> Energy, heat of damping and of friction of all blocks to their bodies, in fixed order.
-    subroutine diag(solid)
-        type(listed_bodies_t), intent(inout) :: solid
-        integer :: k
-
-        solid%bodies%account%contact = 0
-        do k = 1, size(solid%block, 2)
-            associate (account => solid%bodies(solid%block(1, k))%account, &
-                       sums => solid%search%sums(:, k))
-                account%contact = account%contact + sums(kept_energy)
-                account%contact_heat = account%contact_heat + sums(kept_heat)
-                account%friction = account%friction + sums(kept_rub)
-                account%early = account%early + sums(kept_early)
-            end associate
-        end do
-    end subroutine diag
 
     !> Kernel sum over other bodies at the start: where it exceeds that of a flat surface, as in a
     !> bar within concrete, contact begins there.

@@ -14,6 +14,7 @@ module brz_solid_forces
     use brz_particle_marks, only: is_free, is_gone
     use brz_solid_bonds, only: add_bonded_forces
     use brz_solid_arrays, only: group_of
+    use brz_solid_diagnostics, only: record_forces
     use brz_solid_lanes, only: centre_t, lane_group_t, images_t, in_turn, most_images, place_body, &
         place_group, place_images
     use brz_pair_rows, only: mirror_row, mirror_tensor
@@ -54,35 +55,7 @@ contains
                 call update_lengths(solid, solid%bodies(solid%block(1, k)), k)
             end do
         end if
-        do k = 1, size(solid%bodies)
-            associate (account => solid%bodies(k)%account)
-                if (solid%bodies(k)%tensile_control > 0 .and. .not. (solid%bodies(k)%inactive &
-                                                                  .and. dt > 0)) then
-                    account%hourglass = 0 ! what the blocks hold now
-                else if (solid%bodies(k)%artificial == artificial_none) then
-                    account%hourglass = account%hourglass + account%ahead
-                else
-                    account%artificial = account%artificial + account%ahead
-                end if
-                account%ahead = 0
-            end associate
-        end do
-        do k = 1, size(solid%block, 2)
-            associate (body => solid%bodies(solid%block(1, k)), sums => solid%search%sums(:, k))
-                body%account%viscous = body%account%viscous + sums(1)
-                body%account%early = body%account%early + (sums(1) + sums(7))/2
-                body%account%hourglass_heat = body%account%hourglass_heat + sums(7)
-                if (body%tensile_control > 0) body%account%hourglass = body%account%hourglass + &
-                    sums(8)
-                if (body%artificial == artificial_none) then
-                    body%account%hourglass = body%account%hourglass + sums(2)
-                else
-                    body%account%artificial = body%account%artificial + sums(2)
-                end if
-                body%account%ahead = body%account%ahead + sums(6)
-                body%reaction = body%reaction + sums(3:5)
-            end associate
-        end do
+        call record_forces(solid, dt)
     end subroutine force_pass
 
     subroutine force_block(solid, body, dt, k)

@@ -29,6 +29,7 @@ module brz_solid_gradients
     use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_gradient_sums, only: add_neighbours
     use brz_solid_arrays, only: group_of
+    use brz_solid_diagnostics, only: record_material
     use brz_solid_lanes, only: lane_group_t, images_t, in_turn, most_images, place_body, &
                                place_group, place_images
     use brz_listed_bodies, only: listed_bodies_t
@@ -69,23 +70,8 @@ contains
             end associate
         end do
         solid%dt_limit = minval(solid%bodies%dt_limit)
-        if (dt > 0) call record_work(solid)
+        if (dt > 0) call record_material(solid)
     end subroutine gradient_pass
-
-    !> Add the work of the blocks to the energy accounts of the bodies, in fixed order.
-    subroutine record_work(solid)
-        type(listed_bodies_t), intent(inout) :: solid
-        integer :: k
-
-        do k = 1, size(solid%block, 2)
-            associate (account => solid%bodies(solid%block(1, k))%account)
-                account%plastic = account%plastic + solid%search%sums(1, k)
-                account%damage = account%damage + solid%search%sums(2, k)
-                account%clamped = account%clamped + solid%search%sums(3, k)
-                account%load = account%load + solid%search%sums(4, k)
-            end associate
-        end do
-    end subroutine record_work
 
     subroutine gradient_block(solid, body, dt, k)
         type(listed_bodies_t), intent(inout) :: solid

@@ -8,14 +8,14 @@
 module brz_air_driver
     use brz_air_backend, only: clear_marks, end_stage, exchange_ghosts, exchange_marks, find_bad, &
         find_lost_cell, get_ready, redo, sweep_all
-    use brz_air_grid, only: faces_of_bricks, stage_t
+    use brz_air_grid, only: stage_t
     use brz_air_lost, only: first_lost
     use brz_air_stage, only: stage_of
     use brz_air_state, only: air_ok, air_t, air_unphysical, wall_t
-    use brz_air_totals, only: record_outflow
+    use brz_air_totals, only: add_outflow
     use brz_brick_driver, only: settle_bricks, wake_bricks
     use brz_errors, only: error_t
-    use brz_face_loops, only: for_each_add_push, for_each_sum_face
+    use brz_face_loops, only: for_each_add_push
     use brz_fallback_loop_bodies, only: to_hold, to_lose, to_redo
     use brz_fallback_loops, only: for_each_count_marked
     use brz_ghost_loops, only: for_each_fill_end
@@ -87,20 +87,6 @@ contains
         if (wall%cells%present) call for_each_add_push(air%on_gpu, 3*wall%cells%n, &
             wall%cells%push, wall%cells%impulse, err)
     end subroutine take_rates
-
-    !> Add up what leaves through the outer faces; on a GPU it is recorded when somebody asks.
-    subroutine add_outflow(air, stage, err)
-        type(air_t), intent(inout) :: air
-        type(stage_t), intent(in) :: stage
-        type(error_t), intent(inout) :: err
-        integer :: faces
-
-        if (.not. air%on_gpu) air%leaving = 0
-        faces = faces_of_bricks(air%grid%n, air%grid%bricks)
-        call for_each_sum_face(air%on_gpu, 2*air%n_var*faces, faces, air%grid, stage, air%edge, &
-                               air%leaving, err)
-        if (.not. air%on_gpu) call record_outflow(air)
-    end subroutine add_outflow
 
     !> Fill the ghosts of all directions that are modelled. Where the box of another process begins
     !> they are its cells.

@@ -6,7 +6,6 @@
 !> a rigid body, the first records its work.
 module brz_rigid_driver
     use brz_air_force, only: reaction_force_of, load_of
-    use brz_drive, only: begin_motion, record_drive, end_motion
     use brz_energy_account, only: energy_account_t
     use brz_force_loops, only: for_each_sum_region
     use brz_formulation_names, only: form_rigid
@@ -19,7 +18,7 @@ module brz_rigid_driver
     use brz_push_layout, only: push_layout_t
     use brz_rigid_pose, only: pose_of, resting_pose
     use brz_solid_backend, only: add_held_impulse
-    use brz_solid_diagnostics, only: record_drag
+    use brz_solid_diagnostics, only: begin_motion, end_motion, record_drag, record_drive
     use brz_bodies, only: bodies_t
     use brz_listed_bodies, only: listed_bodies_t
     use brz_interacting_bodies, only: interacting_bodies_t

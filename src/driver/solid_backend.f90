@@ -2,7 +2,6 @@
 !> The operations of a step of the solids that are not loop bodies: loops over pairs of particles,
 !> lists and messages, on the CPU or as kernels on a GPU. The drivers put them in order.
 module brz_solid_backend
-    use brz_drive, only: cpu_add_held_impulse => add_held_impulse
     use brz_errors, only: error_t
     use brz_gpu_solid_diagnostics, only: gpu_add_held_impulse => add_held_impulse, fetch_limit, &
         note_boxes, sum_states
@@ -25,6 +24,7 @@ module brz_solid_backend
     use brz_solid_bonds, only: cpu_break_bonds => break_bonds
     use brz_solid_contact, only: cpu_contact_pass => contact_pass, cpu_find_press => find_press
     use brz_solid_forces, only: cpu_force_pass => force_pass
+    use brz_solid_diagnostics, only: cpu_add_held_impulse => add_held_impulse
     use brz_solid_ghosts, only: cpu_refresh_bonds => refresh_bonds, &
         cpu_refresh_joined => refresh_joined, cpu_refresh_rows => refresh_rows, &
         refresh_motion

@@ -6,7 +6,7 @@ module brz_gpu_solid_diagnostics
     use brz_device, only: clear_buffer
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
-    use brz_force_loop_bodies, only: n_sum
+    use brz_motion_loop_bodies, only: n_sum
     use brz_formulation_names, only: artificial_none
     use brz_gpu_common, only: partials_of
     use brz_gpu_solid_layout, only: diag_ahead, diag_clamped, diag_contact, &

@@ -11,7 +11,7 @@ module brz_gpu_solid_state
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_face_layout, only: n_face
     use brz_formulation_names, only: form_total
-    use brz_force_loop_bodies, only: n_sum
+    use brz_motion_loop_bodies, only: n_sum
     use brz_gpu_solid_layout, only: at_accel, at_damage, at_energy, at_mass, at_mu, at_stress, &
         diag_contact_heat, diag_load, grid_gpu_t, &
         n_diag, n_flag, n_linked_tag, n_tag, n_terms, tag_bond, tag_face, &

@@ -27,7 +27,7 @@ module brz_gauges
     use brz_force_driver, only: n_forces
     use brz_bodies, only: bodies_t
     use brz_interacting_bodies, only: interacting_bodies_t
-    use brz_solid_sums, only: velocity_at_step
+    use brz_step_velocity, only: velocity_at_step
     use brz_wide_lattice, only: unloaded_place
     implicit none
     private

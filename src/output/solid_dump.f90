@@ -17,7 +17,7 @@ module brz_solid_dump
     use brz_meta, only: meta_t
     use brz_bodies, only: bodies_t
     use brz_interacting_bodies, only: interacting_bodies_t
-    use brz_solid_sums, only: velocity_at_step
+    use brz_step_velocity, only: velocity_at_step
     use brz_wide_lattice, only: unloaded_place
     use brz_vtkhdf, only: begin_dump, end_dump, root, write_field
     implicit none

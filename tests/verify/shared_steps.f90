@@ -16,8 +16,8 @@ module shared_steps
     use brz_bodies, only: bodies_t
     use brz_listed_bodies, only: listed_bodies_t
     use brz_solid_state, only: solid_t
-    use brz_solid_sums, only: n_sum, solid_totals_t, totals_of_sums
-    use brz_total_driver, only: sums_of_bodies
+    use brz_conservation_audit, only: solid_totals_t, sums_of_bodies, totals_of_sums
+    use brz_motion_loop_bodies, only: n_sum
     implicit none
     private
     public :: air_step, cohesive_pass, load_faces, build_neighbours, resume_solid

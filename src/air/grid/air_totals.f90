@@ -2,10 +2,11 @@
 !> Sums over all cells of the air, of all processes: the same bits whatever the threads do and
 !> however many processes there are. Bricks are summed in order, and the bricks exactly.
 module brz_air_totals
-    use brz_air_grid, only: cell_at, grid_of, grid_t
+    use brz_air_grid, only: cell_at, faces_of_bricks, grid_of, grid_t, stage_t
     use brz_air_state, only: air_t, bc_periodic, wall_t
+    use brz_brick_loops, only: each_total_brick, for_each_sum_face
     use brz_cut_cells, only: cut_cells_t
-    use brz_brick_loops, only: each_total_brick
+    use brz_errors, only: error_t
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64, int8, rk
     use brz_ranks, only: several, sum_of_all
@@ -13,7 +14,7 @@ module brz_air_totals
     implicit none
     private
     public :: air_totals, gas_sums, outflow_of_all, counts_of_all
-    public :: record_outflow, take_outflow
+    public :: add_outflow, record_outflow, take_outflow
 
 contains
 
@@ -104,6 +105,20 @@ contains
         outflow = all(:5)
         products = all(6)
     end subroutine outflow_of_all
+
+    !> Add up what leaves through the outer faces; on a GPU it is recorded when somebody asks.
+    subroutine add_outflow(air, stage, err)
+        type(air_t), intent(inout) :: air
+        type(stage_t), intent(in) :: stage
+        type(error_t), intent(inout) :: err
+        integer :: faces
+
+        if (.not. air%on_gpu) air%leaving = 0
+        faces = faces_of_bricks(air%grid%n, air%grid%bricks)
+        call for_each_sum_face(air%on_gpu, 2*air%n_var*faces, faces, air%grid, stage, air%edge, &
+                               air%leaving, err)
+        if (.not. air%on_gpu) call record_outflow(air)
+    end subroutine add_outflow
 
     !> Add air%leaving to the outflow of this process, exactly: neither the order nor processes
     !> matter.

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> Blocks of cells of the air, called bricks: which something has reached, which are active; sums
-!> over their cells.
+!> over their cells, and over what leaves through their faces.
 !>
 !> A brick at rest holds gas with the density and energy of the undisturbed air to the bit, and a
 !> velocity below the rounding error of the sound speed. It is put to rest wholly, or else every
@@ -9,11 +9,12 @@
 !> one into them are active too. The rates of all other cells are zero to the bit, so leaving them
 !> out changes nothing.
 module brz_brick_loop_bodies
-    use brz_air_grid, only: brick, grid_t, place_of, rest_t
+    use brz_air_grid, only: brick, grid_t, place_of, rest_t, stage_t
+    use brz_boundary_codes, only: bc_inside, bc_periodic
     use brz_kinds, only: dp, int64, int8, rk
     implicit none
     private
-    public :: look_at_row, settle_row, wake_near, total_brick, rows_of_brick
+    public :: look_at_row, settle_row, wake_near, total_brick, sum_face, rows_of_brick
 
     integer, parameter :: rows_of_brick = brick*brick !! of cells along x
 
@@ -194,4 +195,40 @@ contains
         end if
         if (.not. counts) value = 0
     end function content
+
+    !> Add what leaves in a stage through the face of a brick at the boundary, line by line.
+    !@loop_body if(n >= 500) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine sum_face(t, faces, grid, stage, edge, leaving)
+        integer, intent(in) :: t !! such faces of all directions, variables, low and high ends
+        integer, intent(in) :: faces !! of all directions, at one end
+        type(grid_t), intent(in) :: grid
+        type(stage_t), intent(in) :: stage
+        real(rk), intent(in) :: edge(*) !! (lines, n_var, 2) fluxes through the outer faces
+        real(dp), intent(inout) :: leaving(*) !! (faces, n_var, 2) [SI]
+        real(dp) :: total
+        integer(int64) :: at
+        integer :: a, b, d, f, i, j, side, low(2)
+
+        f = mod(t - 1, faces)
+        side = (t - 1)/(faces*grid%n_var) + 1
+        do d = 1, 3
+            a = merge(2, 1, d == 1)
+            b = merge(2, 3, d == 3)
+            if (grid%n(d) == 1) cycle
+            if (f < grid%bricks(a)*grid%bricks(b)) exit
+            f = f - grid%bricks(a)*grid%bricks(b)
+        end do
+        if (grid%bc(side, d) == bc_inside .or. grid%bc(side, d) == bc_periodic) return
+        low(1) = mod(f, grid%bricks(a))*brick
+        low(2) = f/grid%bricks(a)*brick
+        at = grid%before(d) + (t - 1)/faces*int(grid%lines, int64)
+        total = 0
+        do j = low(2) + 1, min(low(2) + brick, grid%n(b))
+            do i = low(1) + 1, min(low(1) + brick, grid%n(a))
+                total = total + edge(at + i + (j - 1)*grid%n(a))
+            end do
+        end do
+        leaving(t) = leaving(t) + (2*side - 3)*stage%leaves(d)*total
+    end subroutine sum_face
 end module brz_brick_loop_bodies

@@ -3,14 +3,14 @@
 !> impulse on a wall.
 module brz_face_loop_bodies
     use brz_air_boundary, only: beyond_wall
-    use brz_air_grid, only: brick, grid_t, stage_t, variable_in_slot
-    use brz_boundary_codes, only: bc_inside, bc_periodic, bc_symmetry, bc_wall
+    use brz_air_grid, only: grid_t, variable_in_slot
+    use brz_boundary_codes, only: bc_symmetry, bc_wall
     use brz_face_flux, only: cut_face, cut_fraction
-    use brz_kinds, only: dp, int64, int8, rk
+    use brz_kinds, only: int64, int8, rk
     use brz_scheme, only: max_var, mixture_gamma, scheme_t
     implicit none
     private
-    public :: face_at, add_push, sum_face, see_wall
+    public :: face_at, add_push, see_wall
 
 contains
 
@@ -89,42 +89,6 @@ contains
 
         impulse(f) = impulse(f) + push(f)
     end subroutine add_push
-
-    !> Add what leaves in a stage through the face of a brick at the boundary, line by line.
-    !@loop_body if(n >= 500) schedule(static)
-    !@cuf attributes(host,device) &
-    pure subroutine sum_face(t, faces, grid, stage, edge, leaving)
-        integer, intent(in) :: t !! such faces of all directions, variables, low and high ends
-        integer, intent(in) :: faces !! of all directions, at one end
-        type(grid_t), intent(in) :: grid
-        type(stage_t), intent(in) :: stage
-        real(rk), intent(in) :: edge(*) !! (lines, n_var, 2) fluxes through the outer faces
-        real(dp), intent(inout) :: leaving(*) !! (faces, n_var, 2) [SI]
-        real(dp) :: total
-        integer(int64) :: at
-        integer :: a, b, d, f, i, j, side, low(2)
-
-        f = mod(t - 1, faces)
-        side = (t - 1)/(faces*grid%n_var) + 1
-        do d = 1, 3
-            a = merge(2, 1, d == 1)
-            b = merge(2, 3, d == 3)
-            if (grid%n(d) == 1) cycle
-            if (f < grid%bricks(a)*grid%bricks(b)) exit
-            f = f - grid%bricks(a)*grid%bricks(b)
-        end do
-        if (grid%bc(side, d) == bc_inside .or. grid%bc(side, d) == bc_periodic) return
-        low(1) = mod(f, grid%bricks(a))*brick
-        low(2) = f/grid%bricks(a)*brick
-        at = grid%before(d) + (t - 1)/faces*int(grid%lines, int64)
-        total = 0
-        do j = low(2) + 1, min(low(2) + brick, grid%n(b))
-            do i = low(1) + 1, min(low(1) + brick, grid%n(a))
-                total = total + edge(at + i + (j - 1)*grid%n(a))
-            end do
-        end do
-        leaving(t) = leaving(t) + (2*side - 3)*stage%leaves(d)*total
-    end subroutine sum_face
 
     !> Whether a listed cell holds solid, and the velocity of that.
     !@loop_body

@@ -12,6 +12,7 @@ module brz_contact_loop_bodies
     use brz_force_layout, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_terms
     use brz_interaction, only: law_shared, interaction_t
     use brz_kernel, only: kernel_slope, kernel_value
+    use brz_energy_account, only: kept_early, kept_energy, kept_heat, kept_rub, n_kept
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t, links_of, mask_unit, n_press
     use brz_pair_force, only: viscous_force
@@ -21,13 +22,7 @@ module brz_contact_loop_bodies
     private
     public :: owner_of, look_ahead, look_along, sum_links, press_particle, push_particle, &
         press_links, push_links
-    public :: add_pair, trace_at, n_kept, kept_energy, kept_heat, kept_rub, kept_early
-
-    ! what push_particle keeps in the diagnostics of a particle [J]
-    integer, parameter :: kept_energy = 1 !! that contact holds now
-    integer, parameter :: kept_heat = 2, kept_rub = 3 !! heat of contact, of friction
-    integer, parameter :: kept_early = 4 !! heat of the half step to come, see energy_account_t
-    integer, parameter :: n_kept = 4
+    public :: add_pair, trace_at
 
 contains
 

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> How particles move, one at a time: kick and drift, and how far they have gone since their lists
-!> were built.
+!> How particles move, one at a time: kick and drift, how far they have gone since their lists were
+!> built, and what momentum and energy they have at the step.
 module brz_motion_loop_bodies
     use brz_kernel, only: smoothing_length
     use brz_kinds, only: dp, int32, rk
@@ -12,6 +12,9 @@ module brz_motion_loop_bodies
     implicit none
     private
     public :: drift_particle, fill_rigid_row, kick_and_drift, note_particle, size_particle
+    public :: sum_state, n_sum
+
+    integer, parameter :: n_sum = 16 !! sums of sum_state
 
 contains
 
@@ -152,4 +155,50 @@ contains
             row(pair_spin + d, i) = real(spin(d), rk)
         end do
     end subroutine fill_rigid_row
+
+    !> Mass, first moments, momentum, angular momentum, energies, damage of a particle at the step,
+    !> and of what is outside of the region or has been taken out: see totals_of_sums.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine sum_state(p, first, wide, stride_d, stride_p, half, region, x, v, mass, accel, &
+                              energy, damage, fixed, total)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: wide !! rows of x and v
+        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in accel
+        real(rk), intent(in) :: half !! half the last step [s]
+        real(dp), intent(in) :: region(3, 2) !! corners [m]
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: v(wide, *)
+        real(rk), intent(in) :: mass(*)
+        real(rk), intent(in) :: accel(*), energy(*), damage(*) !! [m/s2], [J/kg], [-]
+        integer(int32), intent(in) :: fixed(*)
+        real(dp), intent(inout) :: total(16) !@exact
+        real(dp) :: at(3), kinetic, m, u(3)
+        integer :: d, i
+        logical :: outside
+
+        i = first - 1 + p
+        m = mass(i)
+        outside = .false.
+        do d = 1, 3
+            at(d) = x(d, i)
+            u(d) = v(d, i) + half*accel(1 + (i - 1)*stride_p + (d - 1)*stride_d)
+            if (at(d) < region(d, 1) .or. at(d) > region(d, 2)) outside = .true.
+            total(1 + d) = total(1 + d) + m*at(d)
+            total(4 + d) = total(4 + d) + m*u(d)
+        end do
+        kinetic = (u(1)*u(1) + u(2)*u(2) + u(3)*u(3))/2
+        total(1) = total(1) + m
+        total(8) = total(8) + m*(at(2)*u(3) - at(3)*u(2))
+        total(9) = total(9) + m*(at(3)*u(1) - at(1)*u(3))
+        total(10) = total(10) + m*(at(1)*u(2) - at(2)*u(1))
+        total(11) = total(11) + m*kinetic
+        total(12) = total(12) + m*energy(i)
+        total(13) = total(13) + m*damage(i)
+        if (outside) total(14) = total(14) + m
+        if (fixed(i) /= is_gone) return
+        total(15) = total(15) + m
+        total(16) = total(16) + m*(kinetic + energy(i))
+    end subroutine sum_state
 end module brz_motion_loop_bodies

@@ -4,6 +4,7 @@ module brz_rigid_motion
     use brz_body, only: body_t
     use brz_kinds, only: dp
     use brz_motion, only: velocity_of
+    use brz_solid_diagnostics, only: record_rigid_load
     use brz_rigid, only: cross, spin_of, turn
     implicit none
     private
@@ -20,7 +21,7 @@ contains
         real(dp), intent(in) :: dt !! [s]
         real(dp), intent(out) :: v(3), omega(3) !! velocity and spin in the middle of the step
         real(dp), intent(out) :: q_mid(4) !! attitude there
-        real(dp) :: before(3), work
+        real(dp) :: before(3)
 
         associate (b => body%rigid, force => body%rigid%load(1:3), torque => body%rigid%load(4:6))
             before = b%p/b%mass
@@ -30,9 +31,7 @@ contains
             end if
             call turn(b, dt, omega, q_mid)
             v = b%p/b%mass
-            work = dt/2*(dot_product(force, v + before) + dot_product(torque, omega + b%spin))
-            body%account%load = body%account%load + work
-            if (body%motion%n > 0) body%account%drive = body%account%drive - work
+            call record_rigid_load(body, dt, v + before, omega + b%spin)
             body%reaction = body%reaction + dt*force*(1 - b%moves)
             b%spin = omega
             b%x = b%x + dt*v

@@ -10,7 +10,7 @@ module brz_cohesive_state
     use brz_kinds, only: dp, int32, int8
     implicit none
     private
-    public :: cohesive_t, cohesive_totals, push_of
+    public :: cohesive_t, push_of
 
     type :: cohesive_t
         logical :: present = .false.
@@ -58,27 +58,6 @@ module brz_cohesive_state
     end type cohesive_t
 
 contains
-
-    !> What interface k, or all with k = 0, holds and has spent, and how much of it is broken.
-    pure subroutine cohesive_totals(cohesive, k, held, spent, broken, whole)
-        type(cohesive_t), intent(in) :: cohesive
-        integer, intent(in) :: k
-        real(dp), intent(out) :: held, spent !! [J]
-        real(dp), intent(out) :: broken, whole !! area with damage 1; all of it [m2]
-        integer :: p
-
-        held = 0
-        spent = 0
-        broken = 0
-        whole = 0
-        do p = 1, cohesive%n
-            if (k /= 0 .and. cohesive%of(p) /= k) cycle
-            held = held + cohesive%held(p)
-            spent = spent + cohesive%spent(p)
-            whole = whole + cohesive%area(p)
-            if (cohesive%damage(p) >= 1) broken = broken + cohesive%area(p)
-        end do
-    end subroutine cohesive_totals
 
     !> Force of all interfaces on the particle of a number [N].
     pure function push_of(cohesive, id) result(f)

@@ -5,6 +5,13 @@ module brz_energy_account
     implicit none
     private
     public :: energy_account_t
+    public :: kept_energy, kept_heat, kept_rub, kept_early, n_kept
+
+    ! what contact does with the energy of a particle, see push_particle
+    integer, parameter :: kept_energy = 1 !! that contact holds now
+    integer, parameter :: kept_heat = 2, kept_rub = 3 !! heat of contact, of friction
+    integer, parameter :: kept_early = 4 !! heat of the half step to come, see energy_account_t
+    integer, parameter :: n_kept = 4
 
     !> What one body has done with its energy so far, all in J.
     type :: energy_account_t

@@ -1,14 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> Forces on a whole body, its momentum and its totals, summed over its particles.
+!> Forces on a whole body and its momentum, summed over its particles.
 module brz_force_loop_bodies
     use brz_kinds, only: dp, int32, rk
     use brz_particle_marks, only: is_gone, is_fixed
     use brz_support, only: is_driven, is_kept
     implicit none
     private
-    public :: sum_forces, sum_momentum, sum_region, sum_state, n_sum
-
-    integer, parameter :: n_sum = 16 !! sums of sum_state
+    public :: sum_forces, sum_momentum, sum_region
 
 contains
 
@@ -55,52 +53,6 @@ contains
         total(5) = total(5) + (arm(3)*g(1) - arm(1)*g(3))
         total(6) = total(6) + (arm(1)*g(2) - arm(2)*g(1))
     end subroutine sum_forces
-
-    !> Mass, first moments, momentum, angular momentum, energies, damage of a particle at the step,
-    !> and of what is outside of the region or has been taken out: see totals_of_sums.
-    !@loop_body
-    !@cuf attributes(host,device) &
-    pure subroutine sum_state(p, first, wide, stride_d, stride_p, half, region, x, v, mass, accel, &
-                              energy, damage, fixed, total)
-        integer, intent(in) :: p !! particles of the body
-        integer, intent(in) :: first !! the first of them
-        integer, intent(in) :: wide !! rows of x and v
-        integer, intent(in) :: stride_d, stride_p !! distances of directions and particles in accel
-        real(rk), intent(in) :: half !! half the last step [s]
-        real(dp), intent(in) :: region(3, 2) !! corners [m]
-        real(dp), intent(in) :: x(wide, *)
-        real(rk), intent(in) :: v(wide, *)
-        real(rk), intent(in) :: mass(*)
-        real(rk), intent(in) :: accel(*), energy(*), damage(*) !! [m/s2], [J/kg], [-]
-        integer(int32), intent(in) :: fixed(*)
-        real(dp), intent(inout) :: total(16) !@exact
-        real(dp) :: at(3), kinetic, m, u(3)
-        integer :: d, i
-        logical :: outside
-
-        i = first - 1 + p
-        m = mass(i)
-        outside = .false.
-        do d = 1, 3
-            at(d) = x(d, i)
-            u(d) = v(d, i) + half*accel(1 + (i - 1)*stride_p + (d - 1)*stride_d)
-            if (at(d) < region(d, 1) .or. at(d) > region(d, 2)) outside = .true.
-            total(1 + d) = total(1 + d) + m*at(d)
-            total(4 + d) = total(4 + d) + m*u(d)
-        end do
-        kinetic = (u(1)*u(1) + u(2)*u(2) + u(3)*u(3))/2
-        total(1) = total(1) + m
-        total(8) = total(8) + m*(at(2)*u(3) - at(3)*u(2))
-        total(9) = total(9) + m*(at(3)*u(1) - at(1)*u(3))
-        total(10) = total(10) + m*(at(1)*u(2) - at(2)*u(1))
-        total(11) = total(11) + m*kinetic
-        total(12) = total(12) + m*energy(i)
-        total(13) = total(13) + m*damage(i)
-        if (outside) total(14) = total(14) + m
-        if (fixed(i) /= is_gone) return
-        total(15) = total(15) + m
-        total(16) = total(16) + m*(kinetic + energy(i))
-    end subroutine sum_state
 
     !> Mass and momentum of a particle at the step; none of one that is gone.
     !@loop_body

@@ -4,14 +4,11 @@ module brz_backend_fetch
     use brz_air_probe, only: cells_around, has_point, probe_reach, sees_gas
     use brz_air_state, only: air_t, wall_t
     use brz_backend, only: backend_t
-    use brz_cohesive_part, only: share_points
-    use brz_coupling_copy, only: fetch_diagnostics, fetch_coupling, note_coupling
+    use brz_coupling_copy, only: fetch_coupling, note_coupling
     use brz_coupling_state, only: coupling_t
-    use brz_coupling_totals, only: coupling_totals
-    use brz_deferred_source_driver, only: stored_totals
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: fetch_air, fetch_cells, fetch_walls, note_air
-    use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
+    use brz_gpu_air_sums, only: gpu_outflow
     use brz_gpu_cohesive_part, only: fetch_gpu_points
     use brz_gpu_solid_copy, only: fetch_particles, fetch_solid, note_solid, settle_bodies
     use brz_gpu_solid_diagnostics, only: fetch_accounts
@@ -21,62 +18,10 @@ module brz_backend_fetch
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: gather_air, gather_diagnostics, gather_interfaces
     public :: fetch_sums, fetch_order, fetch_deferred_sources, fetch_state, take_snapshot
     public :: fetch_followed, fetch_around
 
 contains
-
-    !> Totals of the air; what left through its boundaries is brought up to date in `air`.
-    subroutine gather_air(backend, air, coupling, gas, kept, kinetic, products, err)
-        type(backend_t), intent(inout) :: backend
-        type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
-        type(coupling_t), intent(inout) :: coupling !! its work and impulse are brought up to date
-        real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
-        real(dp), intent(out) :: kept(5) !! the same in cell stores and deferred sources
-        real(dp), intent(out) :: kinetic !! energy of the gas [J]
-        real(dp), intent(out) :: products !! mass of products of explosives [kg]
-        type(error_t), intent(inout) :: err
-        real(dp) :: deferred(5), totals(0:6), more
-
-        if (backend%on_gpu) then
-            call gpu_air_totals(air%device, air, totals, err)
-            call gpu_outflow(air%device, air, err)
-            gas = totals(1:5)
-            kept = 0
-            more = 0
-            if (coupling%on_gpu) then
-                call stored_totals(air, coupling, kept, more, err)
-                call fetch_diagnostics(coupling, err)
-            end if
-            kinetic = totals(0)
-            products = totals(6) + more
-        else
-            call coupling_totals(air, coupling, gas, kept, deferred, kinetic, products)
-            kept = kept + deferred
-        end if
-    end subroutine gather_air
-
-    !> Bring the diagnostics of the particles of this process up to date, before those of all are
-    !> opened.
-    subroutine gather_diagnostics(backend, solid, err)
-        type(backend_t), intent(inout) :: backend
-        type(solid_t), intent(inout) :: solid
-        type(error_t), intent(inout) :: err
-
-        if (backend%bodies_on_gpu) call fetch_accounts(solid%device, solid, err)
-    end subroutine gather_diagnostics
-
-    !> Bring what cohesive interfaces hold and have spent up to date on the host, of all processes.
-    subroutine gather_interfaces(backend, solid, err)
-        type(backend_t), intent(inout) :: backend
-        type(solid_t), intent(inout) :: solid
-        type(error_t), intent(inout) :: err
-
-        if (backend%bodies_on_gpu) &
-            call fetch_gpu_points(solid%device, .false., solid%cohesive, err)
-        call share_points(solid)
-    end subroutine gather_interfaces
 
     !> Bring sums and diagnostics to the host that the GPU must work out, for a dump or a
     !> checkpoint.

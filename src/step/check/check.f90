@@ -11,7 +11,7 @@ module brz_check
     use brz_body_geometries, only: body_box
     use brz_print_interactions, only: print_interactions
     use brz_cohesive_setup, only: interface_name, zone_over_spacing
-    use brz_cohesive_state, only: cohesive_totals
+    use brz_conservation_audit, only: cohesive_totals
     use brz_crack_band, only: crack_report
     use brz_early, only: early_t
     use brz_errors, only: error_t, failed

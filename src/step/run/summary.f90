@@ -4,7 +4,7 @@ module brz_summary
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
     use brz_boxes, only: cells_of
     use brz_cohesive_setup, only: interface_name
-    use brz_cohesive_state, only: cohesive_totals
+    use brz_conservation_audit, only: cohesive_totals
     use brz_errors, only: error_t, failed
     use brz_host_calls, only: counting, print_calls
     use brz_kernel_profile, only: print_profile, profiling

@@ -7,22 +7,30 @@ module brz_conservation_audit
     use brz_air_state, only: air_t
     use brz_air_totals, only: counts_of_all, outflow_of_all
     use brz_backend, only: backend_t
-    use brz_backend_fetch, only: gather_air, gather_diagnostics, gather_interfaces
     use brz_cohesive_setup, only: interface_name
-    use brz_cohesive_state, only: cohesive_totals
+    use brz_cohesive_part, only: share_points
+    use brz_cohesive_state, only: cohesive_t
+    use brz_coupling_copy, only: fetch_diagnostics
     use brz_coupling_state, only: coupling_diagnostics_t, coupling_t
-    use brz_coupling_totals, only: diagnostics_of_all
+    use brz_coupling_totals, only: coupling_totals, diagnostics_of_all
+    use brz_deferred_source_driver, only: stored_totals
     use brz_errors, only: error_t, failed
+    use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
+    use brz_gpu_cohesive_part, only: fetch_gpu_points
+    use brz_gpu_solid_diagnostics, only: fetch_accounts
     use brz_kinds, only: dp, int64, rk
+    use brz_motion_loop_bodies, only: n_sum
+    use brz_motion_loops, only: for_each_sum_state
+    use brz_solid_backend, only: sum_states
     use brz_solid_diagnostics, only: diagnostics_t, close_all_diagnostics, open_all_diagnostics
     use brz_interacting_bodies, only: interacting_bodies_t
     use brz_solid_state, only: solid_t
-    use brz_solid_sums, only: n_sum, solid_totals_t, totals_of_sums
-    use brz_total_driver, only: sums_of_bodies
+    use brz_bodies, only: bodies_t
     implicit none
     private
     public :: balance_t, audit_start_t, audit_scene, is_balanced, energy_columns, audit_row
     public :: body_names, body_row, judge
+    public :: cohesive_totals, solid_totals_t, sums_of_bodies, totals_of_sums
 
     integer, parameter :: n_energy = 56, n_body = 14, n_interface = 3
 
@@ -59,6 +67,21 @@ module brz_conservation_audit
     !> Columns of bodies.csv, for every cohesive interface.
     character(20), parameter :: interface_columns(n_interface) = [character(20) :: &
                                 'broken[m2]', 'bond[J]', 'bond_heat[J]']
+
+    !> Of what is modelled (a half or a quarter where symmetry planes cut), at the time of the step.
+    type :: solid_totals_t
+        real(dp) :: mass = 0 !! [kg]
+        real(dp) :: centre(3) = 0 !! mass centre [m]
+        real(dp) :: momentum(3) = 0 !! [N s]
+        real(dp) :: angular(3) = 0 !! angular momentum about the origin [N m s]
+        real(dp) :: kinetic = 0, internal = 0 !! [J]
+        real(dp) :: hourglass = 0 !! energy held by the stiff hourglass force [J]
+        real(dp) :: artificial = 0 !! energy held by the artificial stress [J]
+        real(dp) :: contact = 0 !! energy held by the springs of contact [J]
+        real(dp) :: outside = 0 !! mass that has left the region [kg]
+        real(dp) :: removed(2) = 0 !! mass and energy of what has been taken out [kg, J]
+        real(dp) :: damage = 0 !! mean over the mass
+    end type solid_totals_t
 
     !> Totals at one time.
     type :: balance_t
@@ -196,6 +219,142 @@ contains
         call gather_interfaces(backend, solid, err)
         call cohesive_totals(solid%cohesive, 0, audit%bond(1), audit%bond(2), area(1), area(2))
     end subroutine gather_solid
+
+    !> Totals of the air; what left through its boundaries is brought up to date in `air`.
+    subroutine gather_air(backend, air, coupling, gas, kept, kinetic, products, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
+        type(coupling_t), intent(inout) :: coupling !! its work and impulse are brought up to date
+        real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
+        real(dp), intent(out) :: kept(5) !! the same in cell stores and deferred sources
+        real(dp), intent(out) :: kinetic !! energy of the gas [J]
+        real(dp), intent(out) :: products !! mass of products of explosives [kg]
+        type(error_t), intent(inout) :: err
+        real(dp) :: deferred(5), totals(0:6), more
+
+        if (backend%on_gpu) then
+            call gpu_air_totals(air%device, air, totals, err)
+            call gpu_outflow(air%device, air, err)
+            gas = totals(1:5)
+            kept = 0
+            more = 0
+            if (coupling%on_gpu) then
+                call stored_totals(air, coupling, kept, more, err)
+                call fetch_diagnostics(coupling, err)
+            end if
+            kinetic = totals(0)
+            products = totals(6) + more
+        else
+            call coupling_totals(air, coupling, gas, kept, deferred, kinetic, products)
+            kept = kept + deferred
+        end if
+    end subroutine gather_air
+
+    !> Bring the diagnostics of the particles of this process up to date, before those of all are
+    !> opened.
+    subroutine gather_diagnostics(backend, solid, err)
+        type(backend_t), intent(inout) :: backend
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (backend%bodies_on_gpu) call fetch_accounts(solid%device, solid, err)
+    end subroutine gather_diagnostics
+
+    !> Bring what cohesive interfaces hold and have spent up to date on the host, of all processes.
+    subroutine gather_interfaces(backend, solid, err)
+        type(backend_t), intent(inout) :: backend
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (backend%bodies_on_gpu) &
+            call fetch_gpu_points(solid%device, .false., solid%cohesive, err)
+        call share_points(solid)
+    end subroutine gather_interfaces
+
+    !> Sums over the particles of each body. All processes must call.
+    subroutine sums_of_bodies(solid, sums, err)
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(out) :: sums(n_sum, size(solid%bodies)) !! see sum_state
+        type(error_t), intent(inout) :: err
+        real(dp) :: one(n_sum)
+        integer :: k
+
+        if (solid%on_gpu) then
+            call sum_states(solid%device, solid, sums, err)
+            return
+        end if
+        do k = 1, size(solid%bodies)
+            associate (there => solid%bodies(k))
+                call for_each_sum_state(solid%on_gpu, there%last - there%first + 1, solid%ranks, &
+                    there%first, solid%wide, solid%stride_d, solid%stride_p, &
+                    real(solid%dt_last/2, rk), solid%region, solid%x, solid%v, solid%mass, &
+                    solid%a, solid%energy, solid%damage, solid%fixed, one, err)
+            end associate
+            sums(:, k) = one
+        end do
+    end subroutine sums_of_bodies
+
+    !> Totals of body b, or of all bodies with b = 0.
+    subroutine totals_of_sums(solid, b, sums, totals)
+        class(bodies_t), intent(in) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(in) :: sums(n_sum, size(solid%bodies)) !! see sum_state
+        type(solid_totals_t), intent(out) :: totals
+        real(dp) :: all(n_sum)
+        integer :: k
+
+        if (b == 0) all = sum(sums, 2) ! body by body
+        if (b > 0) all = sums(:, b)
+        totals%mass = all(1)
+        totals%centre = all(2:4)/max(all(1), tiny(1.0_dp))
+        totals%momentum = all(5:7)
+        totals%angular = all(8:10)
+        totals%kinetic = all(11)
+        totals%internal = all(12)
+        totals%outside = all(14)
+        totals%removed = all(15:16)
+        totals%damage = all(13)/max(all(1), tiny(1.0_dp))
+        do k = 1, size(solid%bodies) ! the turning of the particles of rigid bodies
+            if (b /= 0 .and. b /= k) cycle
+            associate (r => solid%bodies(k)%rigid)
+                totals%angular = totals%angular + r%cell_inertia*r%omega
+                totals%kinetic = totals%kinetic &
+                                 + r%cell_inertia/2*dot_product(r%omega, r%omega)
+            end associate
+        end do
+        if (b == 0) then
+            totals%hourglass = sum(solid%bodies%account%hourglass)
+            totals%artificial = sum(solid%bodies%account%artificial)
+            totals%contact = sum(solid%bodies%account%contact)
+            totals%internal = totals%internal - sum(solid%bodies%account%early)
+        else
+            totals%hourglass = solid%bodies(b)%account%hourglass
+            totals%artificial = solid%bodies(b)%account%artificial
+            totals%contact = solid%bodies(b)%account%contact
+            totals%internal = totals%internal - solid%bodies(b)%account%early
+        end if
+    end subroutine totals_of_sums
+
+    !> What interface k, or all with k = 0, holds and has spent, and how much of it is broken.
+    pure subroutine cohesive_totals(cohesive, k, held, spent, broken, whole)
+        type(cohesive_t), intent(in) :: cohesive
+        integer, intent(in) :: k
+        real(dp), intent(out) :: held, spent !! [J]
+        real(dp), intent(out) :: broken, whole !! area with damage 1; all of it [m2]
+        integer :: p
+
+        held = 0
+        spent = 0
+        broken = 0
+        whole = 0
+        do p = 1, cohesive%n
+            if (k /= 0 .and. cohesive%of(p) /= k) cycle
+            held = held + cohesive%held(p)
+            spent = spent + cohesive%spent(p)
+            whole = whole + cohesive%area(p)
+            if (cohesive%damage(p) >= 1) broken = broken + cohesive%area(p)
+        end do
+    end subroutine cohesive_totals
 
     !> Energy that the air could hand to bodies: that of its motion, and what its mass holds beyond
     !> air at rest [J].
