@@ -28,6 +28,7 @@ module brz_gauges
     use brz_bodies, only: bodies_t
     use brz_interacting_bodies, only: interacting_bodies_t
     use brz_step_velocity, only: velocity_at_step
+    use brz_tensile_control, only: largest_tension
     use brz_wide_lattice, only: unloaded_place
     implicit none
     private
@@ -365,7 +366,7 @@ contains
     pure real(dp) function value_of_particle(solid, gauge) result(value)
         class(bodies_t), intent(in) :: solid
         type(gauge_t), intent(in) :: gauge
-        real(dp) :: known(8), d(3), v(3)
+        real(dp) :: known(9), d(3), v(3)
 
         associate (i => gauge%place(1), s => real(solid%stress(:, gauge%place(1)), dp))
             select case (gauge%of%body)
@@ -377,7 +378,8 @@ contains
                 known(:3) = d
             case (of_stress)
                 known = [s, -sum(s(1:3))/3, sqrt(((s(1) - s(2))**2 + (s(2) - s(3))**2 &
-                    + (s(3) - s(1))**2)/2 + 3*sum(s(4:6)**2))]
+                    + (s(3) - s(1))**2)/2 + 3*sum(s(4:6)**2)), &
+                    real(largest_tension(solid%stress(:, i)), dp)]
             case (of_state)
                 known(:2) = [solid%materials(solid%bodies(gauge%body)%material)%density &
                              *(1 + real(solid%mu(i), dp)), real(solid%damage(i), dp)]

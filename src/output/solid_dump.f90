@@ -18,6 +18,7 @@ module brz_solid_dump
     use brz_bodies, only: bodies_t
     use brz_interacting_bodies, only: interacting_bodies_t
     use brz_step_velocity, only: velocity_at_step
+    use brz_tensile_control, only: largest_tension
     use brz_wide_lattice, only: unloaded_place
     use brz_vtkhdf, only: begin_dump, end_dump, root, write_field
     implicit none
@@ -161,7 +162,7 @@ contains
         type(dump_rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
         real(real32) :: stress(6, rows%n)
-        real(real32), dimension(rows%n) :: p, mises, mass, density, energy, damage
+        real(real32), dimension(rows%n) :: p, mises, tension, mass, density, energy, damage
         integer :: k
 
         !$omp parallel do schedule(static)
@@ -169,6 +170,7 @@ contains
             associate (i => rows%place(k))
                 stress(:, k) = real(solid%stress(:, i), real32)
                 call invariants(solid%stress(:, i), p(k), mises(k))
+                tension(k) = real(largest_tension(solid%stress(:, i)), real32)
                 mass(k) = real(solid%mass(i), real32)
                 density(k) = real(solid%materials(solid%bodies(rows%body(k))%material)%density &
                                   *(1 + solid%mu(i)), real32)
@@ -179,6 +181,7 @@ contains
         call write_field(file, 'PointData/stress', 'Pa', stress, err)
         call write_field(file, 'PointData/pressure', 'Pa', p, err)
         call write_field(file, 'PointData/von_mises', 'Pa', mises, err)
+        call write_field(file, 'PointData/principal_tension', 'Pa', tension, err)
         call write_field(file, 'PointData/mass', 'kg', mass, err)
         call write_field(file, 'PointData/density', 'kg/m3', density, err)
         call write_field(file, 'PointData/volume', 'm3', mass/density, err)

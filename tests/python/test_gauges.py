@@ -301,6 +301,22 @@ def test_stress_and_strain_behind_a_wave(tmp_path):
     assert abs(gauges(run(tmp_path, turn))["e"]).max() < 1e-12
 
 
+def test_a_drawn_bar_has_its_stress_as_principal_tension(tmp_path):
+    """Drawn along its axis: that stress is the largest; the wave that comes back presses."""
+    deck = f"""\
+&run t_end=6e-5, dimension=1 /
+{STEEL}&body id='b', box=0,0.1, 0,1, 0,1, spacing=1e-3, material='s', fix='x-',
+    motion_time=0,1e-6,1.5e-5,1.6e-5, motion_velocity=0,0,0, -1,0,0, -1,0,0, 0,0,0 /
+&gauge id='x', body='b', at=0.03,0,0, quantity='stress_xx' /
+&gauge id='t', body='b', at=0.03,0,0, quantity='principal_tension' /
+&output history_every=1e-6, dump_every=1 /
+"""
+    g = gauges(run(tmp_path, deck))
+    assert g["x"].max() > 1e7
+    assert g["x"].min() < -1e7
+    np.testing.assert_allclose(g["t"], np.maximum(g["x"], 0), rtol=1e-6, atol=1e3)
+
+
 def test_metal_that_yields_shows_plastic_strain_and_heat(tmp_path):
     """Compressed evenly in one dimension: equivalent strain 2/3 of the strain less the elastic one,
     heated by 0.9 of the plastic work."""

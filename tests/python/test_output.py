@@ -109,6 +109,8 @@ def test_particles_open_in_pyvista(scene):
     np.testing.assert_allclose(data["pressure"], -2.0 * place)
     mises = np.sqrt(1.5 * (1 + 0 + 1) + 3 * (16 + 25 + 36))  # deviator -1, 0, 1 and shears 4, 5, 6
     np.testing.assert_allclose(data["von_mises"], mises * place, rtol=1e-6)
+    tension = np.linalg.eigvalsh([[1, 4, 6], [4, 2, 5], [6, 5, 3]])[-1]
+    np.testing.assert_allclose(data["principal_tension"], tension * place, rtol=1e-6)
     np.testing.assert_allclose(data["density"], 3000.0)
     np.testing.assert_allclose(data["mass"], 0.5 * place)
     np.testing.assert_allclose(data["volume"], 0.5 * place / 3000.0, rtol=1e-6)

@@ -47,6 +47,7 @@ module brz_gauge_quantities
         quantity_t('stress_yz', 'Pa', body=of_stress, row=5), &
         quantity_t('stress_xz', 'Pa', body=of_stress, row=6), &
         quantity_t('von_mises', 'Pa', body=of_stress, row=8), &
+        quantity_t('principal_tension', 'Pa', body=of_stress, row=9), &
         quantity_t('plastic_strain', '-', body=of_history), &
         quantity_t('temperature', 'K', body=of_history), &
         quantity_t('damage', '-', body=of_state, row=2), &
