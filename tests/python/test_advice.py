@@ -2,6 +2,7 @@
 """What `--check` advises: what is so, for decks of inputs/ and for a scene changed in one thing."""
 
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -21,6 +22,7 @@ START, MIRROR, LOAD, RIGID, NEAR, FAR, STILL, ONE = (
     "gives way by",
     "one gas in place of two",
 )
+CRACKS, LATE = "cost the same up to", "and the run ends at"
 
 EVEN = """
 &run t_end = 2e-5 /
@@ -48,7 +50,7 @@ def advice(deck, *sets):
 
 
 def kinds(texts):
-    every = (START, MIRROR, LOAD, RIGID, NEAR, FAR, STILL, ONE)
+    every = (START, MIRROR, LOAD, RIGID, NEAR, FAR, STILL, ONE, CRACKS)
     return {kind for kind in every if any(kind in t for t in texts)}
 
 
@@ -57,10 +59,21 @@ PROJECT = {  # what is advised for each deck; of slabs and fragments the charge 
     "cylinder_floor": set(),
     "demo": {LOAD, NEAR},
     "free_air": set(),
-    "plate_load": set(),
     "reflection": set(),
-    "rod_concrete": set(),
     "shock_tube": set(),
+    "jobs/beam": set(),
+    "jobs/blast_fragments": set(),
+    "jobs/fragment_plate": set(),
+    "jobs/hypervelocity": set(),
+    "jobs/laminate": set(),
+    "jobs/plate_air": {LOAD, NEAR},
+    "jobs/plate_impulse": set(),
+    "jobs/plate_load": set(),
+    "jobs/rc_slab": set(),
+    "jobs/rod_concrete": set(),
+    "jobs/spall": {CRACKS},
+    "jobs/surface_burst": set(),
+    "jobs/wall": set(),
     "paper/fragments": {START, MIRROR},
     "paper/fragments_460": {START, MIRROR},
     "paper/hvi": set(),  # plies of 45 degrees
@@ -75,7 +88,7 @@ PROJECT = {  # what is advised for each deck; of slabs and fragments the charge 
 
 def test_no_deck_is_left_out():
     folder = ROOT / "inputs"
-    decks = [*folder.glob("*.nml"), *folder.glob("paper/*.nml")]
+    decks = [*folder.glob("*.nml"), *folder.glob("jobs/*.nml"), *folder.glob("paper/*.nml")]
     assert {str(deck.relative_to(folder))[:-4] for deck in decks} == set(PROJECT)
 
 
@@ -83,6 +96,15 @@ def test_no_deck_is_left_out():
 def test_decks_of_the_project(deck):
     texts = advice(ROOT / "inputs" / f"{deck}.nml")
     assert kinds(texts) == PROJECT[deck] and len(texts) == len(PROJECT[deck])
+
+
+def test_a_blast_that_arrives_after_the_end_is_told():
+    """The building of a job at the end of the run, and before the front is there."""
+    deck = ROOT / "inputs/jobs/wall.nml"
+    late = [text for text in advice(deck, "run.t_end=4e-3") if LATE in text]
+    assert len(late) == 1
+    assert re.search(r"the nearest body 5000 mm away after 4\.\d+ ms", late[0])
+    assert not any(LATE in text for text in advice(deck, "run.t_end=6e-3"))
 
 
 @pytest.mark.parametrize(

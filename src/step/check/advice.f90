@@ -215,6 +215,12 @@ contains
             scaled = distance/mass**(1/3.0_dp)
             if (.not. (scaled > nearest_load .and. scaled < farthest)) return
             blast = free_air_blast(mass, distance)
+            if (blast%arrival > case%run%t_end) then
+                call say_advice('the blast reaches the nearest body '//length_text(distance)// &
+                                ' away after '//time_text(blast%arrival)//', and the run '// &
+                                'ends at '//time_text(case%run%t_end))
+                return
+            end if
             associate (ratio => 1 + blast%peak/ambient)
                 c = sound*sqrt(ratio*(6 + ratio)/(1 + 6*ratio))
             end associate
