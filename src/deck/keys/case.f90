@@ -246,6 +246,8 @@ module brz_case
         logical :: has_region = .false.
         real(dp) :: region(3, 2) = 0 !! corners; particles that leave it are reported [m]
         character(name_len) :: leave = 'report' !! or 'stop', 'remove'
+        real(dp) :: jitter = 0 !! largest shift of a particle at the start, in spacings
+        integer :: seed = 1 !! of these shifts
     end type solid_case_t
 
     !> &coupling

@@ -222,9 +222,14 @@ contains
                 'of the air if absent.', n=6), &
             words('leave', 'When particles leave the region: report it and let them fly on, '// &
                 'stop with a checkpoint and exit code 3, or remove them from everything but '// &
-                'the totals.', default='report', choices='report|stop|remove')], &
+                'the totals.', default='report', choices='report|stop|remove'), &
+            number('jitter', '-', 'Largest shift of each particle along each axis at the '// &
+                'start, over the spacing, to see what chance does to bodies that break; '// &
+                'rigid bodies stay.', default='0.0', lower=zero, upper=0.1_dp), &
+            whole_number('seed', 'Number of the set of shifts by jitter.', zero, &
+                real(huge(1), dp), default='1')], &
             basic='region leave', &
-            expert='skin')
+            expert='skin jitter seed')
         call add_group(keys, 'coupling', 'How air and bodies meet.', [ &
             words('scheme', 'wall_flux: fluxes at walls, nothing is lost. paper: as the paper '// &
                 'prints it, solid cells filled with gas, to compare; it loses mass. '// &

@@ -311,6 +311,8 @@ contains
                 case ('solid')
                     call get(group, 'skin', case%solid%skin)
                     call get(group, 'leave', case%solid%leave)
+                    call get(group, 'jitter', case%solid%jitter)
+                    call get(group, 'seed', case%solid%seed)
                     call get_region(deck, g, case%run%dimension, case%solid)
                 case ('coupling')
                     call get(group, 'scheme', case%coupling%scheme)

@@ -11,6 +11,7 @@ module brz_body_points
     use brz_kinds, only: dp, real32
     use brz_layered_wall, only: lay_wall
     use brz_particle_file, only: read_particles
+    use brz_place_jitter, only: jitter_places
     use brz_stl, only: is_inside, mesh_t, read_stl
     use brz_text, only: to_text
     implicit none
@@ -92,6 +93,11 @@ contains
             do c = 1, size(points)
                 if (.not. failed(err)) call refuse_overlap(case%bodies, points, b, c, err)
             end do
+        end do
+        do b = 1, size(points)
+            if (case%bodies(b)%formulation /= 'rigid') call jitter_places( &
+                case%solid%jitter*case%bodies(b)%spacing, case%solid%seed, b, &
+                case%run%dimension, points(b)%x)
         end do
     end subroutine place_points
 
