@@ -115,7 +115,7 @@ contains
     subroutine refuse_cut_cells(case, air, solid, err)
         type(case_t), intent(in) :: case
         type(air_t), intent(in) :: air
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         integer :: b
         logical :: whole
@@ -269,7 +269,7 @@ contains
     !> Shapes of the cut cells as the particles say, and gas as they leave room for it.
     subroutine begin_cut_cells(air, p, coupling)
         type(air_t), intent(in) :: air
-        type(solid_t), intent(in) :: p !! bodies and particles
+        class(bodies_t), intent(in) :: p !! bodies and particles
         type(coupling_t), intent(inout) :: coupling
         type(error_t) :: none
         logical :: renewed

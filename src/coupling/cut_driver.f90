@@ -27,7 +27,7 @@ module brz_cut_driver
     use brz_lists, only: at_least, clear_list, clear_map, count_in_bins, put_in_bins, running_sum, &
         swap
     use brz_scheme, only: max_var
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     implicit none
     private
     public :: set_up_cut_cells, find_cut_cells, find_shapes, start_volumes, mix_clusters, &
@@ -65,7 +65,7 @@ contains
 
     !> List the cells near particles and sort these into them; `renewed` where the list is another.
     subroutine find_cut_cells(p, c, renewed, err)
-        type(solid_t), intent(in) :: p !! particles
+        class(bodies_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
         logical, intent(out) :: renewed
         type(error_t), intent(inout) :: err
@@ -90,7 +90,7 @@ contains
 
     !> The list of the cells within `near` cells of a particle.
     subroutine list_cut_cells(p, c, cells, err)
-        type(solid_t), intent(in) :: p !! particles
+        class(bodies_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
         type(cut_cells_t), intent(inout) :: cells
         type(error_t), intent(inout) :: err
@@ -165,7 +165,7 @@ contains
 
     !> Shapes of the listed cells from the particles.
     subroutine find_shapes(p, c, err)
-        type(solid_t), intent(in) :: p !! particles
+        class(bodies_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
@@ -316,7 +316,7 @@ contains
     !> from what the gas does to rigid bodies, and what they sweep.
     subroutine move_cut_walls(air, solid, c, dt, err)
         type(air_t), intent(in) :: air
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! of the coming step of the air, 0: not known yet [s]
         type(error_t), intent(inout) :: err
@@ -344,7 +344,7 @@ contains
     !> Bring the bodies that carry particles to the middle of the coming step.
     subroutine push_carriers(air, solid, c, dt, err)
         type(air_t), intent(in) :: air
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
         type(error_t), intent(inout) :: err
@@ -366,7 +366,7 @@ contains
 
     !> Force and torque of the air on the bodies that carry particles.
     subroutine load_cut_carriers(solid, c, load, err)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: c
         real(dp), intent(out) :: load(6, c%bodies) !! [N], [N m]
         type(error_t), intent(inout) :: err
@@ -387,7 +387,7 @@ contains
 
     !> Loads of all particles from the impulses on the walls, and the diagnostics.
     subroutine press_by_cut_cells(p, c, dt, err)
-        type(solid_t), intent(inout) :: p !! particles
+        class(bodies_t), intent(inout) :: p !! particles
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! step of the air [s]
         type(error_t), intent(inout) :: err
@@ -414,7 +414,7 @@ contains
 
     !> Which bodies that sleep have a load beyond rounding on one of their particles.
     subroutine feel_loads(solid, c, err)
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         real(rk) :: least

@@ -14,7 +14,7 @@ module brz_cut_exchange_driver
     use brz_kinds, only: dp
     use brz_lists, only: at_least
     use brz_scheme, only: max_var
-    use brz_solid_state, only: solid_t
+    use brz_bodies, only: bodies_t
     implicit none
     private
     public :: renew_cut_cells
@@ -29,7 +29,7 @@ contains
     !> Mass, momentum and energy of gas and waiting content together do not change.
     subroutine renew_cut_cells(air, solid, c, err)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
         integer :: m, pockets
