@@ -142,7 +142,7 @@ $(STUDIES):
 	@$(MAKE) --no-print-directory -f studies/Makefile $@
 endif
 SITE := build/site
-.PHONY: site unit verify try python figures lint format check-docs gpu-check setup test test-all demo bench bench-ranks golden vectors warnings coverage planted install dist
+.PHONY: site unit verify try python figures lint format check-docs gpu-check setup test test-all demo bench bench-ranks golden vectors warnings coverage planted install dist corpus
 # The figures that tests measure go to NOTES and PYTHON_NOTES; a whole run begins them anew.
 NOTES := build/log/notes$(KIND).csv
 PYTHON_NOTES := build/log/notes-python$(KIND).csv
@@ -208,6 +208,8 @@ coverage: ## which lines the tests run (COVERED="unit"; FILE=src/...: those of a
 	@scripts/coverage.py build/cpu-coverage $(FILE)
 planted: ## plant the faults of tests/planted.toml, and see whether the tests notice them (ARGS=text: those alone)
 	@$(PY) scripts/planted.py $(ARGS)
+corpus: all ## how often the error bars of `post certify` hold the truth (ARGS: scenes, --judge, --jobs N)
+	@$(PY) studies/corpus.py $(ARGS)
 PREFIX ?= /usr/local
 install: all ## install program, GPU code, presets, examples and Python tools (PREFIX=/usr/local, DESTDIR=)
 	@scripts/install.sh $(BIN) $(if $(filter mixed,$(PRECISION)),brisance-mixed,brisance) $(STAMP) '$(PREFIX)' '$(DESTDIR)'

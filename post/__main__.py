@@ -99,6 +99,7 @@ def _parser() -> argparse.ArgumentParser:
     questions.add_argument("folder", metavar="OUT", help="folder of the runs of the questions")
     questions.add_argument("--markdown", metavar="FILE", help="page (default: OUT/questions.md)")
     _add_study(commands)
+    _add_certify(commands)
     material = commands.add_parser("material", help="curves of a table of `brisance mat`")
     material.set_defaults(command=_material)
     material.add_argument("files", metavar="FILE.csv", nargs="+", help="tables, to be compared")
@@ -120,6 +121,58 @@ def _add_study(commands) -> None:
     study.add_argument("--retry-failed", action="store_true", help="run again what has failed")
     study.add_argument("--keep", action="store_true", help="keep dumps and checkpoints")
     study.add_argument("--brisance", metavar="FILE", help="the program")
+
+
+def _add_certify(commands) -> None:
+    """The command that gives the results of a scene error bars."""
+    certify = commands.add_parser("certify", help="error bars of a scene by coarser partners")
+    certify.set_defaults(command=_certify)
+    certify.add_argument("deck", metavar="DECK", help="the scene")
+    certify.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="of it")
+    certify.add_argument("--out", metavar="FOLDER", help="default: out/certify/NAME")
+    certify.add_argument("--fine", metavar="OUTDIR", help="a run of this deck that is there")
+    certify.add_argument("--budget", default="25%", metavar="25%", help="extra cost of partners")
+    certify.add_argument("--finer", action="store_true", help="run a finer partner as well")
+    certify.add_argument("--hold", action="append", default=[], metavar="ID", help="keep a body")
+    certify.add_argument("--results", default="", metavar="A,B", help="that shall be promised")
+    certify.add_argument("--want", metavar="5%", help="error that is wanted")
+    certify.add_argument("--ensemble", type=int, default=0, metavar="N", help="members by chance")
+    certify.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at once")
+    certify.add_argument("--backend", choices=("cpu", "gpu"), default="cpu")
+    certify.add_argument("--check", action="store_true", help="say what would run, run nothing")
+    certify.add_argument("--brisance", metavar="FILE", help="the program")
+
+
+def _certify(options: argparse.Namespace) -> int:
+    from post.certify import Options, certify  # noqa: PLC0415
+
+    chosen = Options(
+        Path(options.out) if options.out else None,
+        tuple(options.set),
+        _share(options.budget, "--budget"),
+        options.finer,
+        tuple(options.hold),
+        tuple(name.strip() for name in options.results.split(",") if name.strip()),
+        options.jobs,
+        options.backend,
+        Path(options.fine) if options.fine else None,
+        _share(options.want, "--want") if options.want else math.nan,
+        options.check,
+        options.brisance,
+        options.ensemble,
+    )
+    return certify(options.deck, chosen)
+
+
+def _share(text: str, flag: str) -> float:
+    """'25%' or '0.25' as 0.25."""
+    try:
+        value = float(text.rstrip("% ")) * (0.01 if "%" in text else 1)
+    except ValueError:
+        value = math.nan
+    if not 0 < value <= 10:
+        raise PostError(f"{flag} {text}: must be a share such as 25%", USAGE)
+    return value
 
 
 def _study(options: argparse.Namespace) -> int:

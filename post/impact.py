@@ -155,7 +155,7 @@ def _verdict(shot: Shot, main: Fragment, v: float, settled: bool) -> str:
     tail = (main.low if way > 0 else main.high)[n]  # the end that leaves last
     head = (main.high if way > 0 else main.low)[n]
     if v < -STILL * shot.speed:
-        return "rebounded" if way * (head - shot.front) < 0 else "not finished"
+        return "rebounded" if settled or way * (head - shot.front) < 0 else "not finished"
     if abs(v) <= STILL * shot.speed:
         return "stopped"
     free = way * (tail - shot.rear) > 0.5 * shot.diameter
@@ -172,8 +172,16 @@ def _thrown(run: Run, frame: Frame, shot: Shot) -> tuple[Fragment | None, Cloud,
     before = [p for p, v in zip(pieces, leaves, strict=True)
               if way * (p.middle[n] - shot.front) < 0 and v < 0]  # fmt: skip
     across = [d for d in range(int(run.deck.get("run", "dimension", 3))) if d != n]
-    wide = [p for p in behind if p.particles >= DUST
-            and (p.high - p.low)[across].min() >= 0.5 * shot.diameter]  # fmt: skip
+    start = (shot.projectile.low + shot.projectile.high) / 2
+
+    def is_plug(p: Fragment) -> bool:
+        """Wide enough, and near the line of the shot: not a part of the plate that broke off."""
+        away = p.middle - start
+        aside = np.linalg.norm((away - (away @ shot.direction) * shot.direction)[across])
+        wide = (p.high - p.low)[across].min() >= 0.5 * shot.diameter
+        return bool(p.particles >= DUST and wide and aside <= shot.diameter)
+
+    wide = [p for p in behind if is_plug(p)]
     plug = max(wide, key=lambda p: p.mass, default=None)
     rest = [p for p in behind if p is not plug]
     return plug, _cloud(rest, shot.direction), _cloud(before, -shot.direction)

@@ -99,7 +99,7 @@ def bracket(
         yes = event(x)
         found.runs.append((x, math.nan if yes is None else float(yes)))
         if yes is None:
-            raise LookupError(f"neither yes nor no at {x:.6g}")
+            raise LookupError(f"neither yes nor no at {x:.6g}: the run failed or was too short")
         if len(found.runs) > 2 * MOST:
             raise LookupError(f"not found within {2 * MOST} runs, the last at {x:.6g}")
         return yes == rising

@@ -9,6 +9,7 @@ from html import escape
 from pathlib import Path
 
 from post.balance import balance_table, body_table, totals_table
+from post.certificate import certificate_table
 from post.compare import Comparison, compare, find_references, read_references
 from post.deflection import displacement_table
 from post.energy_picture import draw_energy
@@ -52,6 +53,7 @@ def make_report(run: Run, given_references: str | Path | None = None) -> tuple[P
         balance_table(run),
         totals_table(run),
         results_table(run),
+        certificate_table(run.folder),
         *holes,
         gauge_table(run),
         displacement_table(run),

@@ -15,6 +15,7 @@ import numpy as np
 
 from post.balance import TOTALS, total_of, whole_factor
 from post.blast import Pulse
+from post.certificate import interval_text, read_certificate
 from post.cracks import LIMIT, circumferential_cracks, radial_cracks, rings_of
 from post.crater import face_loss
 from post.damage import WORDS, damaged_volumes
@@ -287,9 +288,12 @@ MAKERS: tuple[tuple[tuple[str, ...], Callable[[Run], Iterator[Result]]], ...] = 
 
 def results_table(run: Run) -> Table:
     """What is asked for first of what happened to the bodies, for the report and the terminal."""
+    known = read_certificate(run.folder)
     rows = []
     for one in results(run, SCENE):
-        rows.append((one.name.replace("_", " "), text_of(one), one.remark))
+        wide = interval_text(known[one.name]) if one.name in known else ""
+        remark = "; ".join(text for text in (wide, one.remark) if text)
+        rows.append((one.name.replace("_", " "), text_of(one), remark))
     note = (
         "Of the whole scene, at the last dump. Loose: what no longer hangs together with the "
         "largest piece. Crater, spall: what is missing from the unloaded face inwards, loose "

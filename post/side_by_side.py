@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from post.balance import energy_put_in, largest, numerical_shares, total_of, whole_factor
+from post.certificate import interval_text, read_certificate
 from post.deflection import measure_deflection
 from post.errors import PostError
 from post.gauges import list_gauges, measure, pressure_gauges
@@ -33,7 +34,16 @@ def name_runs(runs: list[Run]) -> list[str]:
 def summary(run: Run) -> Values:
     """What is compared of a run, as texts by name. Energies, masses and impulses of the whole."""
     found: Values = {}
-    for part in (_size, _displacements, _energies, _numbers, _pressures, _fragments, _results):
+    for part in (
+        _size,
+        _displacements,
+        _energies,
+        _numbers,
+        _pressures,
+        _fragments,
+        _results,
+        _certified,
+    ):
         found |= part(run)
     return found
 
@@ -93,6 +103,13 @@ def _displacements(run: Run) -> Values:
         if kind == "displacement":
             found[f"{name}, permanent set"] = show(one.permanent, gauge.unit)
     return found
+
+
+def _certified(run: Run) -> Values:
+    """Intervals of the results of a run that has a certificate."""
+    known = read_certificate(run.folder)
+    return {f"{name}, certified": interval_text(one) for name, one in known.items()
+            if one["promised"]}  # fmt: skip
 
 
 def _results(run: Run) -> Values:

@@ -351,10 +351,14 @@ def response_of(limit: Limit, outcome: Outcome) -> float:
 
 
 def event_of(limit: Limit, outcome: Outcome) -> bool | None:
-    """Whether the event of a limit has happened; None where the run has failed."""
-    if not outcome.done:
-        return None
+    """Whether the event of a limit has happened; None where the run has failed, or where a shot
+    has ended before the projectile was through or had stopped.
+    """
     sign = ">" if ">" in limit.event else "<"
     name, number = (part.strip() for part in limit.event.split(sign))
+    now = f"{name.split(' ', 1)[0]} velocity_now"
+    open_ = name.endswith("residual_velocity") and outcome.remarks.get(now) == "not finished"
+    if not outcome.done or open_:
+        return None
     value = outcome.values.get(name, math.nan)
     return value > float(number) if sign == ">" else value < float(number)

@@ -160,6 +160,7 @@ def _add_surrogate(page: Page, name: str, values: np.ndarray) -> None:
             f"no surrogate of '{name}': its error of {100 * one.error.rms:.0f} % is above 10 %"
         )
         return
+    one.sign = sign
     page.surrogates[name] = one
     told = {"result": name, "sign": sign, "error_rms": one.error.rms, "formula": one.data}
     path = page.folder / "surrogate.json"

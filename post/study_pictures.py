@@ -15,7 +15,20 @@ from post.fragility import Curve
 from post.limits import Found, Hyperbola
 from post.reference_curves import LimitFit, lambert_jonas
 from post.runner import Outcome
-from post.style import BLUE, DPI, GREEN, GREY, INK, ORANGE, RED, WIDTH, Picture, new_figure, save
+from post.style import (
+    BLUE,
+    DPI,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    RED,
+    WIDTH,
+    Picture,
+    legend_above,
+    new_figure,
+    save,
+)
 from post.surrogate import Share, Surrogate, predict
 from post.units import scale_for, show
 
@@ -52,17 +65,23 @@ def draw_responses(
     for row, name in zip(axes, names, strict=True):
         values, unit = results[name]
         vf, vu = axis_of(values, unit)
+        strongest, tint = _strongest(numbers, points, values)
         for axis, one in zip(row, numbers, strict=True):
             x = np.array([point[one.name] for point in points])
             xf, xu = axis_of(x, one.unit)
-            axis.plot(x / xf, values / vf, "o", ms=3.2, color=BLUE, alpha=0.75, mec="none")
+            shade = None if one is strongest else tint
+            colours = {"color": BLUE} if shade is None else {"c": shade, "cmap": "viridis"}
+            axis.scatter(x / xf, values / vf, 11, lw=0, **colours)
             if name in surrogates:
                 _draw_surrogate(axis, surrogates[name], parameters, (one, xf, vf))
-            if one.law == "loguniform" or (x.min() > 0 and x.max() > 30 * x.min()):
+            if x.min() > 0 and x.max() > 10 * x.min():
                 axis.set_xscale("log")
             axis.set_xlabel(f"{one.name} {xu}", fontsize=8.5)
         row[0].set_ylabel(f"{name}\n{vu}", fontsize=8.5)
-    caption = "Every run is a point."
+    caption = (
+        "Every run is a point; in the panels of the others its colour is the parameter that the "
+        "result follows most, from low (violet) to high (yellow)."
+    )
     if surrogates:
         caption += (
             " Line: the surrogate with the other parameters at their medians; band: twice its "
@@ -71,13 +90,27 @@ def draw_responses(
     return Picture(save(figure, folder / "responses.png"), "Response curves", caption)
 
 
+def _strongest(numbers: list[Parameter], points: list[dict], values: np.ndarray) -> tuple:
+    """The parameter whose order is most like that of a result, and its values by rank."""
+    good = np.isfinite(values)
+    ranks = {p.name: np.argsort(np.argsort([point[p.name] for point in points])) for p in numbers}
+    order = np.argsort(np.argsort(values[good]))
+
+    def alike(one: Parameter) -> float:
+        own = ranks[one.name][good]
+        return abs(float(np.corrcoef(own, order)[0, 1])) if np.ptp(own) and np.ptp(order) else 0.0
+
+    best = max(numbers, key=alike)
+    return best, ranks[best.name]
+
+
 def _draw_surrogate(axis, surrogate: Surrogate, parameters: list[Parameter], which: tuple) -> None:
     one, xf, vf = which
     ends = [float(one.quantile(np.array(q))) for q in (0.005, 0.995)]
     x = np.linspace(*ends, 80)
     grid = np.array([[float(p.middle) for p in parameters]] * 80)
     grid[:, [p.name for p in parameters].index(one.name)] = x
-    y = predict(surrogate.data, grid) / vf
+    y = surrogate.sign * predict(surrogate.data, grid) / vf
     width = 2 * surrogate.error.rms
     axis.fill_between(x / xf, y * (1 - width), y * (1 + width), color=RED, alpha=0.18, lw=0)
     axis.plot(x / xf, y, color=RED, lw=1.3)
@@ -128,7 +161,7 @@ def draw_pi(
         axis.axvline(curve.i0 / 1e3, color=GREY, lw=0.9, ls="--")
         edge = i[good].max() / 1e3, p[good].max() / 1e3
         axis.annotate(f"P0 {show(curve.p0, 'Pa')}", (edge[0], curve.p0 / 1e3), ha="right",
-                      va="bottom", fontsize=8.5, color=GREY)  # fmt: skip
+                      va="top", fontsize=8.5, color=GREY)  # fmt: skip
         axis.annotate(f"I0 {show(curve.i0, 'Pa s')}", (curve.i0 / 1e3, edge[1]), rotation=90,
                       ha="right", va="top", fontsize=8.5, color=GREY)  # fmt: skip
     box = [i[good].min() / 2.5e3, i[good].max() / 4e2, p[good].min() / 2.5e3, p[good].max() / 5e2]
@@ -137,7 +170,7 @@ def draw_pi(
     axis.set_ylim(box[2], box[3])
     axis.set_xlabel("impulse per area [kPa s]")
     axis.set_ylabel("peak pressure [kPa]")
-    axis.legend(loc="upper right")
+    legend_above(axis)
     caption = (
         f"Above and right of the curve: {what} is passed. Thin lines: reflected pressure and "
         "impulse of Kingery and Bulmash, green for one charge, orange for one standoff."
@@ -157,7 +190,7 @@ def _draw_charges(axis, box: list[float]) -> None:
             return
         axis.plot(rows[:, 0], rows[:, 1], color=color, lw=0.8, alpha=0.8, zorder=1)
         at = rows[inside][len(rows[inside]) * 3 // 4]
-        axis.annotate(text, at, fontsize=7.5, color=color, ha="center",
+        axis.annotate(text, at, fontsize=7.5, color=color, ha="center", zorder=1,
                       bbox={"fc": "white", "ec": "none", "pad": 0.6})  # fmt: skip
 
     for charge in CHARGES:
@@ -233,6 +266,12 @@ def draw_search(
     return Picture(save(figure, folder / "limit.png"), "The limit", caption)
 
 
+def _told(label: str, curves: dict[str, Curve], factor: float, unit: str) -> str:
+    """'surrogate: theta 1.618 kPa s, beta 0.041'."""
+    one = curves[label]
+    return f"{label}: theta {one.theta / factor:.4g} {unit.strip('[]')}, beta {one.beta:.3f}"
+
+
 def draw_fragility(
     intensity: tuple[np.ndarray, str, str],
     passed: np.ndarray,
@@ -249,10 +288,13 @@ def draw_fragility(
     axis.plot(x / xf, passed, "|", color=INK, ms=9, label="runs: passed 1, not 0")
     grid = np.geomspace(x.min(), x.max(), 400)
     if share is not None:
-        axis.plot(share[0] / xf, share[1], color=RED, lw=2, label="by the surrogate")
-    for (label, curve), color in zip(curves.items(), (BLUE, GREEN, ORANGE), strict=False):
+        axis.plot(
+            share[0] / xf, share[1], color=RED, lw=2, label=_told("surrogate", curves, xf, xu)
+        )
+    rest = {label: curve for label, curve in curves.items() if label != "surrogate"}
+    for (label, curve), color in zip(rest.items(), (BLUE, GREEN), strict=False):
         if math.isfinite(curve.beta) and curve.beta > 0:
-            text = f"{label}: theta {curve.theta / xf:.4g} {xu}, beta {curve.beta:.3f}"
+            text = _told(label, curves, xf, xu)
             axis.plot(grid / xf, curve.chance(grid), color=color, lw=1.2, ls="--", label=text)
     axis.set_xlabel(f"{name} {xu}")
     axis.set_ylabel("chance that the limit is passed")

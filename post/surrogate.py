@@ -35,6 +35,7 @@ class Surrogate:
     names: list[str]
     errors: dict[str, Errors]  # of both kinds
     data: dict  # numbers that `predict` needs; logarithms of inputs are `log`
+    sign: float = 1.0  # of the result: the formula has its size
 
     @property
     def error(self) -> Errors:
@@ -62,6 +63,7 @@ def fit_surrogate(names: list[str], points, values) -> Surrogate:
     ValueError for fewer than 8 runs or values that are not positive.
     """
     from sklearn.model_selection import KFold, cross_val_predict  # noqa: PLC0415 (slow to load)
+    from threadpoolctl import threadpool_limits  # noqa: PLC0415
 
     x, y = np.atleast_2d(np.asarray(points, float)), np.asarray(values, float)
     if len(y) < FOLDS or not (y > 0).all():
@@ -75,7 +77,7 @@ def fit_surrogate(names: list[str], points, values) -> Surrogate:
         if kind == "polynomial" and len(y) < 1.2 * terms + 1:
             models.pop(kind)  # more coefficients than a fold has points
             continue
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), threadpool_limits(1):  # small matrices: threads only wait
             warnings.simplefilter("ignore")  # lengths at their bounds: the error tells
             guess = cross_val_predict(model, u, v, cv=folds)
             model.fit(u, v)

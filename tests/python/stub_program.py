@@ -3,8 +3,9 @@
 """Stands for the program where a test is about studies alone: a formula of the deck's numbers.
 
 It knows `--version`, `run DECK --check --echo FILE` and `run DECK --out DIR`. The deck is one group
-&run with x, y, fail, wait; the gauge `mid` goes to x**1.5 * y and stays there. STUB_LOG names a
-file that gets a line for each run that was begun.
+&run with x, y, fail, wait and perhaps an &air with n cells; the gauge `mid` goes to x**1.5 * y
+(1 + 1/n) and stays there. A run with `fail` cells or less fails. STUB_LOG names a file that gets a
+line for each run that was begun.
 """
 
 import math
@@ -25,13 +26,16 @@ def main(args):
     text = Path(args[1]).read_text(encoding="utf-8")
     values = DEFAULTS | dict(re.findall(r"(\w+)\s*=\s*([-+.\de]+)", text.split("&output")[0]))
     sets = [args[i + 1] for i, a in enumerate(args) if a == "--set"]
-    values |= dict(one.removeprefix("run.").split("=") for one in sets)
-    unknown = set(values) - set(DEFAULTS) - {"cells"}
+    values |= dict(one.split(".", 1)[1].split("=") for one in sets)
+    cells = float(values["cells"].split(",")[0]) if "cells" in values else 0.0
+    unknown = set(values) - set(DEFAULTS) - {"cells", "history_every", "box"}
     if unknown:
         print(f"deck.nml:1: unknown key {unknown.pop()}", file=sys.stderr)
         return 2
     numbers = {key: float(values[key]) for key in DEFAULTS}
     echo = "&run\n" + "".join(f"  {k} = {numbers[k]!r}\n" for k in DEFAULTS) + "/\n"
+    if cells:
+        echo += f"&air\n  box = 0.0, 1.0, 0.0, 1.0, 0.0, 1.0\n  cells = {cells:.0f}, 1, 1\n/\n"
     if "--check" in args:
         Path(args[args.index("--echo") + 1]).write_text(echo, encoding="utf-8")
         print("time         about 1.0 s of one core, 0.5 s on 2 here, if all is active")
@@ -42,12 +46,12 @@ def main(args):
     out = Path(args[args.index("--out") + 1])
     out.mkdir(parents=True, exist_ok=True)
     time.sleep(numbers["wait"])
-    if numbers["fail"]:
+    if numbers["fail"] > cells:
         print("the energy is out of its band", file=sys.stderr)
         return 3
     gauge = "&gauge\n  id = 'mid'\n  body = 'p'\n  quantity = 'displacement_y'\n/\n"
     (out / "deck.echo.nml").write_text(echo + gauge, encoding="utf-8")
-    size = numbers["x"] ** 1.5 * numbers["y"]
+    size = numbers["x"] ** 1.5 * numbers["y"] * (1 + (1 / cells if cells else 0))
     rows = [f"{t / 100},{-size * math.sin(math.pi / 2 * min(t / 20, 1.0))!r}" for t in range(101)]
     text = "time[s],mid:displacement_y[m]\n" + "\n".join(rows) + "\n"
     (out / "gauges.csv").write_text(text, encoding="utf-8")
