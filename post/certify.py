@@ -85,12 +85,14 @@ class Certificate:
     @property
     def headline(self) -> Certified | None:
         """The worst promised result of those that were asked for, else of the kinds that come
-        first, else of all.
+        first, else of the gauges, of the energies, of all.
         """
         asked = [row for row in self.rows if row.name in self.wanted]
         first = [row for row in self.rows if any(word in row.name for word in HEADLINES)
                  and row.name.endswith((" peak", "impulse", "velocity"))]  # fmt: skip
-        for some in (asked, first, self.rows):
+        gauges = [row for row in self.rows if ":" in row.name]
+        energies = [row for row in self.rows if row.name.startswith("energy solid")]
+        for some in (asked, first, gauges, energies, self.rows):
             good = [row for row in some if row.interval.promised and row.scale > 0]
             if good:
                 return max(good, key=lambda row: row.interval.half / row.scale)

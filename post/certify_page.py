@@ -66,6 +66,8 @@ def interval_table(found: Certificate) -> Table:
             rows.append((row.name, "0", "", "", "nothing beside the largest of its kind"))
             continue
         ends = f"{show(one.low, row.unit, 4)} to {show(one.high, row.unit, 4)}"
+        if one.half > abs(one.value) and row.scale > 2 * abs(one.value):  # small beside its kind
+            ends = f"below {show(max(abs(one.low), abs(one.high)), row.unit, 2)}"
         width = f"{100 * one.half / row.scale:.2g} %"
         grey = "" if one.promised else " (not promised)"
         rows.append((row.name, show(one.value, row.unit, 4), ends, width, one.verdict + grey))

@@ -89,7 +89,9 @@ def _of_pulse(run: Run, gauge: Gauge) -> Iterator[Result]:
 def _of_displacement(run: Run, gauge: Gauge) -> Iterator[Result]:
     time, move = run.gauges.time, run.gauges[gauge.column]
     found = measure_deflection(time, move)
-    sign = math.copysign(1.0, found.peak)
+    # the side to which it goes first: what swings to both sides alike has no largest one
+    first = int(np.argmax(np.abs(move) >= 0.5 * np.abs(move).max()))
+    sign = math.copysign(1.0, move[first])
     when, peak = vertex(time, sign * move)
     remark = "still growing" if found.growing else ""
     yield Result(f"{gauge.column} peak", sign * peak, "m", "gauge", remark)

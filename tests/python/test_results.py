@@ -15,7 +15,7 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE.parents[1]), str(HERE)]
 BINARY = Path(os.environ.get("BRISANCE", HERE.parents[1] / "bin" / "brisance"))
 
-from synthetic_run import begin  # noqa: E402
+from synthetic_run import begin, save  # noqa: E402
 from test_perforation import Made  # noqa: E402
 
 from post.crater import face_loss  # noqa: E402
@@ -63,6 +63,22 @@ def test_a_sampled_peak_is_the_vertex_of_a_parabola():
     front = np.where(t > 0.5, np.exp(-t), 0)  # a shock: the sample, and nothing above it
     first = int(np.argmax(front))
     assert vertex(t, front) == (t[first], front[first])
+
+
+def test_what_swings_to_both_sides_has_its_peak_on_the_first(tmp_path):
+    """An elastic swing of -1.00 and +1.01 mm: the first, whichever is the larger by a little."""
+    t = np.linspace(0, 1, 2001)
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / "a.echo.nml").write_text(
+        "&run t_end=1 /\n&gauge id='mid', body='p', quantity='displacement_y', at=0,0,0 /\n"
+    )
+    for late in (1.01, 0.99):
+        move = -1e-3 * np.sin(12 * t) * np.where(t > 0.4, late, 1)
+        save(folder / "gauges.csv", {"time[s]": t, "mid:displacement_y[m]": move})
+        values = {one.name: one.value for one in results(Run(folder))}
+        top = 1.0 if late < 1 else 1.01  # later swings to the same side count
+        assert values["mid:displacement_y peak"] == pytest.approx(-1e-3 * top, rel=1e-4)
 
 
 # --- craters ------------------------------------------------------------------------------------
