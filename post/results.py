@@ -310,6 +310,8 @@ def text_of(one: Result) -> str:
         return f"{math.degrees(one.value):.3g} deg"
     if one.unit == "m3":
         return f"{1e6 * one.value:.3g} cm3"
+    if one.unit == "kg" and abs(one.value) < 0.1:
+        return f"{1e3 * one.value:.3g} g"
     return show(one.value, one.unit)
 
 
