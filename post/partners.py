@@ -104,7 +104,7 @@ def make_plan(
         real = scarce.n / row[knobs.index(scarce)]
         levels.append(Level(tuple(row), (*sets, *fixed), real))
     plan = Plan(dimension, knobs, levels, scarce, notes)
-    _judge(deck, plan)
+    _judge(deck, plan, ratio_for(dimension, budget))
     return plan
 
 
@@ -115,21 +115,26 @@ def _numbers(scarce: Knob, ratio: float, finer: bool) -> list[int]:
     middle = max(round(n / ratio), coarse + 1)
     numbers = [n, *(m for m in (middle, coarse) if least <= m < n)]
     numbers = sorted(set(numbers), reverse=True)
-    return [max(n + 1, round(ratio * n)), *numbers][:3] if finer else numbers
+    return [_finer(n, ratio), *numbers][:3] if finer else numbers
 
 
-def _judge(deck: Deck, plan: Plan) -> None:
+def _finer(n: int, ratio: float) -> int:
+    """The number of the level that `--finer` puts before that of the deck."""
+    return max(n + 1, round(ratio * n))
+
+
+def _judge(deck: Deck, plan: Plan, ratio: float) -> None:
     """Say what is missing, what it costs, and which faces do not fit the cells."""
     scarce, count = plan.scarce, len(plan.levels)
     user = next(level for level in plan.levels if level.width == 1.0)
     plan.extra = sum(plan.cost(level) for level in plan.levels if level is not user)
     what = "layers" if scarce.owner != "air" else "cells"
     if count == 1:
-        finer = (scarce.n + 1) / scarce.n
-        cost = finer ** (plan.dimension + 1)
+        finer = _finer(scarce.n, ratio)
+        cost = (finer / scarce.n) ** (plan.dimension + 1)
         plan.refusal = (
             f"there is no coarser partner: {scarce.name} has {scarce.n} {what}, {scarce.least} are "
-            f"the least. Use --finer (a partner of {scarce.n + 1} {what}, {cost:.1f} times the "
+            f"the least. Use --finer (a partner of {finer} {what}, {cost:.1f} times the "
             f"cost), or --hold {scarce.owner} (its spacing stays, all else is certified)"
         )
         if scarce.owner not in ("air", ""):

@@ -117,7 +117,8 @@ def test_levels_of_layers(layers, numbers):
 def test_three_layers_have_no_coarser_partner():
     plan = plan_of(3)
     assert len(plan.levels) == 1
-    assert "--finer" in plan.refusal and "--hold plate" in plan.refusal
+    assert "--finer (a partner of 5 layers, 4.6 times" in plan.refusal
+    assert "--hold plate" in plan.refusal
     finer = plan_of(3, finer=True)
     assert [level.numbers[0] for level in finer.levels] == [5, 3] and finer.levels[1].width == 1
     assert "two levels only" in finer.notes[0]
