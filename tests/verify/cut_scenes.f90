@@ -12,7 +12,7 @@ module cut_scenes
     implicit none
     private
     public :: open_tunnel, hold, carry, ball, sheet, both, march, ride, cut_of, reached, stream
-    public :: drag_of_cylinder
+    public :: drag_of_cylinder, drag_of_sphere, channel
 
     real(dp), parameter :: mach_stream = 3
 
@@ -204,21 +204,45 @@ contains
         end associate
     end function cut_of
 
-    !> A cylinder held in a stream of Mach 3, half of it: drag coefficient, mean over the last three
-    !> tenths of the time in which the stream covers 14 diameters.
+    !> Drag coefficient of a cylinder held in a stream of Mach 3, half of it.
     function drag_of_cylinder(cells, shift) result(drag)
         integer, intent(in) :: cells !! per diameter
         real(dp), intent(in) :: shift !! of the middle
         real(dp) :: drag
         type(box_scene_t) :: scene
-        real(dp) :: t_end, began, before, u
 
-        u = mach_stream*c0
         call open_tunnel(scene, [7*cells/2, 5*cells/2, 1], tunnel())
-        call stream(scene, u)
+        call stream(scene, mach_stream*c0)
         call hold(scene, ball(2, [1.5_dp*cells + shift, 0.0_dp, 0.0_dp], 0.5_dp*cells, 0.5_dp), &
                   0.5_dp)
-        t_end = 14*cells/u
+        drag = 2*pushed(scene, cells)/(0.5_dp*rho0*(mach_stream*c0)**2*cells)
+    end function drag_of_cylinder
+
+    !> The same of a sphere, a quarter of it.
+    function drag_of_sphere(cells) result(drag)
+        integer, intent(in) :: cells !! per diameter
+        real(dp) :: drag
+        type(box_scene_t) :: scene
+        integer :: bc(2, 3)
+        real(dp), parameter :: pi = acos(-1.0_dp)
+
+        bc = tunnel()
+        bc(1, 3) = bc_wall
+        call open_tunnel(scene, [3*cells, 3*cells/2, 3*cells/2], bc)
+        call stream(scene, mach_stream*c0)
+        call hold(scene, ball(3, [1.25_dp*cells, 0.0_dp, 0.0_dp], 0.5_dp*cells, 0.5_dp), 0.5_dp)
+        drag = 4*pushed(scene, cells)/(0.5_dp*rho0*(mach_stream*c0)**2*pi/4*cells**2)
+    end function drag_of_sphere
+
+    !> Force along x: mean over the last three tenths of the time in which the stream covers 14
+    !> diameters.
+    function pushed(scene, cells) result(force)
+        type(box_scene_t), intent(inout) :: scene
+        integer, intent(in) :: cells !! per diameter
+        real(dp) :: force
+        real(dp) :: t_end, began, before
+
+        t_end = 14*cells/(mach_stream*c0)
         began = 0
         before = 0
         do while (scene%t < t_end .and. .not. scene%failed)
@@ -227,9 +251,8 @@ contains
             began = scene%t
             before = scene%coupling%diagnostics%impulse(1)
         end do
-        drag = 2*(scene%coupling%diagnostics%impulse(1) - before)/(t_end - began) &
-               /(0.5_dp*rho0*u**2*cells)
-    end function drag_of_cylinder
+        force = (scene%coupling%diagnostics%impulse(1) - before)/(t_end - began)
+    end function pushed
 
     !> Ends of half a wind tunnel: a wall along the axis, the rest open.
     pure function tunnel() result(bc)
@@ -238,6 +261,14 @@ contains
         bc = bc_outflow
         bc(1, 2) = bc_wall
     end function tunnel
+
+    !> The same with a wall at the top, along which a plane shock runs on.
+    pure function channel() result(bc)
+        integer :: bc(2, 3)
+
+        bc = bc_outflow
+        bc(:, 2) = bc_wall
+    end function channel
 
     !> All gas moves along x.
     subroutine stream(scene, u)
