@@ -22,11 +22,12 @@ module brz_coupling_setup
     use brz_face_stress, only: spread_shares
     use brz_formulation_names, only: form_rigid
     use brz_coupling_ghost_driver, only: renew_coupling_ghosts
-    use brz_kinds, only: dp, int32, rk
+    use brz_kinds, only: dp, int32, real32, rk
     use brz_particle_marks, only: is_fixed
     use brz_positivity, only: floors_of
     use brz_ranks, only: several
     use brz_shared_driver, only: put_halos
+    use brz_text, only: to_text
     use brz_particles, only: particles_t
     use brz_bodies, only: bodies_t
     use brz_listed_bodies, only: listed_bodies_t
@@ -50,14 +51,36 @@ contains
                        'the air has more than 2**31 cells: too many for the coupling')
         end if
         if (failed(err)) return
-        if (case%coupling%scheme == 'cut_cells') call refuse_cut_cells(case, air, solid, err)
-        if (failed(err)) return
+        if (case%coupling%scheme == 'cut_cells') then
+            call refuse_cut_cells(case, air, solid, err)
+            if (failed(err)) return
+            call judge_spacing(case, air, solid)
+        end if
         call couple(air, solid, real(case%coupling%spread, rk), &
                     real(case%coupling%reference_pressure, rk), coupling, &
                     case%coupling%scheme == 'cut_cells')
         coupling%paper = case%coupling%scheme == 'paper'
         if (coupling%paper) air%activity = .false.
     end subroutine set_up_coupling
+
+    !> Warn of particles that lie too far apart to make a wall.
+    subroutine judge_spacing(case, air, solid)
+        type(case_t), intent(in) :: case
+        type(air_t), intent(in) :: air
+        class(bodies_t), intent(inout) :: solid !! its notes
+        real(dp), parameter :: widest = 0.7_dp !! spacing, in cells
+        real(dp) :: cells
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            cells = solid%bodies(b)%spacing/minval(air%dx, air%whole > 1)
+            if (cells <= widest) cycle
+            solid%notes = solid%notes//label('body', case%bodies(b)%id, case%bodies(b)%place)// &
+                'warning: its particles are '//to_text(real(cells, real32))//' cells of the '// &
+                "air apart; walls of scheme='cut_cells' may have holes beyond 0.7: take finer "// &
+                'particles or larger cells'//new_line('a')
+        end do
+    end subroutine judge_spacing
 
     !> Put the walls up where the particles are. What gas was there is taken out.
     subroutine couple(air, solid, spread, reference_pressure, coupling, cut)
