@@ -16,8 +16,8 @@ Twins have one name: what src/cpu does in x.f90, src/gpu does in gpu_x.f90 or cu
 and a file gpu_x.f90 is the twin of an x.f90; ALONE names what one backend has alone. Also: the
 licence line, the module name, `use` with `only`; no name of a type stands for two. Files and
 functions in Python, C and shell obey the sizes, too, and so do the Makefile, its recipes and other
-files of code. Lines of *.md files have at most 120 columns, rows of tables excepted. The state of the
-solids is built in layers; USERS says how many files of src and tests may use each.
+files of code. Lines of *.md files have at most 120 columns, rows of tables excepted. The state of
+the solids is built in layers; USERS says how many files of src and tests may use each.
 """
 
 import ast

@@ -56,7 +56,7 @@ contains
             end do
         end do
         solid%dt_limit = limit
-        if (solid%links%faces) call refresh_rows(solid, part) ! with what contact brings by the faces
+        if (solid%links%faces) call refresh_rows(solid, part) ! with what contact brings
         call record_contact(solid)
     end subroutine contact_pass
 

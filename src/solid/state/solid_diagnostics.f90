@@ -120,8 +120,8 @@ contains
     end subroutine record_material
 
     !> Record what forces between the particles of a body have done over dt, the step just made,
-    !> block by block: heat of viscosity, energy of the hourglass force, of the artificial stress and
-    !> of the tensile control, from `accelerate` of brz_solid_forces.
+    !> block by block: heat of viscosity, energy of the hourglass force, of the artificial stress
+    !> and of the tensile control, from `accelerate` of brz_solid_forces.
     subroutine record_forces(solid, dt)
         class(listed_bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
@@ -176,9 +176,9 @@ contains
         end do
     end subroutine record_contact
 
-    !> Record the work of what drives a body: its kinetic energy, less what the air and the body itself do. The
-    !> second half of the latter is recorded with the force, the work of the air on a rigid body
-    !> with its step.
+    !> Record the work of what drives a body: its kinetic energy, less what the air and the body
+    !> itself do. The second half of the latter is recorded with the force, the work of the air on a
+    !> rigid body with its step.
     subroutine record_drive(body, time, dt, v)
         type(body_t), intent(inout) :: body
         real(dp), intent(in) :: time, dt !! start and length of the step [s]

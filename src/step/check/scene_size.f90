@@ -40,7 +40,7 @@ module brz_scene_size
         real(dp) :: peak_bytes = 0 !! most that the program holds
         real(dp) :: dt_air = huge(1.0_dp), dt_solid = huge(1.0_dp) !! at the start, about [s]
         real(dp) :: quiet = 0 !! until the first load, which is one step [s]
-        type(interacting_bodies_t) :: solid !! materials and settings of the bodies, and what there is to note
+        type(interacting_bodies_t) :: solid !! materials and settings of the bodies, and notes
     end type scene_size_t
 
 contains
