@@ -80,6 +80,7 @@ def column(path, start):
     return [float(row[place]) for row in rows[1:]]
 
 
+@pytest.mark.long("a job to its result, as coarse as its page allows")
 @pytest.mark.parametrize("deck", DECKS, ids=[deck.stem for deck in DECKS])
 def test_a_coarse_job_gives_what_a_hand_calculation_does(tmp_path, deck):
     """It runs to its end in seconds, and its main quantity is between bounds by hand."""

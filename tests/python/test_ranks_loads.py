@@ -151,6 +151,7 @@ def met(tmp_path_factory):
     return (folder / "out/gauges.csv").read_text()
 
 
+@pytest.mark.long("processes that wait for each other on two cores")
 @needs_mpirun
 @pytest.mark.parametrize("n", [slow(1), 2, slow(4)])
 def test_forces_on_bodies_do_not_depend_on_processes(n, met, tmp_path):

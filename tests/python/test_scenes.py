@@ -128,6 +128,7 @@ PLANE_IN_BOX = PLANE.replace("t_end=2.5e-4", "t_end=2.5e-4, symmetry='x','y'").r
 )
 
 
+@pytest.mark.long("a blast in the plane, then in space")
 def test_start_in_a_plane(tmp_path):
     """A cylinder over a floor in the plane through its axis: balances to rounding, dumps in the
     place of the plane; mapped into a box on the way it goes on as if it had not been: the same

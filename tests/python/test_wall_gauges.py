@@ -110,6 +110,7 @@ def gauges(folder, out="out"):
     return (folder / out / "gauges.csv").read_text()
 
 
+@pytest.mark.long("processes that wait for each other on two cores")
 @needs_mpirun
 @pytest.mark.parametrize("n", [slow(2), 3, slow(4)])
 def test_wall_gauges_do_not_depend_on_processes(n, alone, tmp_path):
