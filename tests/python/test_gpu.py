@@ -122,6 +122,7 @@ def equal_backends(deck, text, steps, names, near):
     return whole
 
 
+@pytest.mark.long("emulated, three runs")
 def test_what_comes_in_is_that_of_the_cpu_after_a_restart_too(deck):
     (deck / "wind.csv").write_text(WIND, encoding="utf-8")
     equal_backends(deck, BLOWN, 33, ("energy", "gauges"), 1e-8)

@@ -38,6 +38,7 @@ def history(file):
 TIERS = [case if case.name in ("slab_1", "fragments") else slow(case) for case in TINY]
 
 
+@pytest.mark.long("scenes of the paper, coarse")
 @pytest.mark.parametrize("case", TIERS, ids=lambda case: case.name)
 def test_scene_runs_to_its_end(case, tmp_path):
     """Diagnostics closed, gas sound, and the bodies have felt the load."""

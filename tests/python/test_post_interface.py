@@ -73,6 +73,7 @@ def test_a_map_of_what_is_debonded(stamp, tmp_path):
     assert f"{1e6 * one.broken:.4g} of 240 mm2 broken" in picture.caption
 
 
+@pytest.mark.long("a run and its report")
 def test_in_two_dimensions_the_report_has_a_curve(tmp_path, capsys):
     run = run_of(tmp_path, PEEL)
     assert main(["report", str(run.folder)]) == 0

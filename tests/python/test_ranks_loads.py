@@ -159,6 +159,7 @@ def test_forces_on_bodies_do_not_depend_on_processes(n, met, tmp_path):
     assert (tmp_path / "out/gauges.csv").read_text() == met
 
 
+@pytest.mark.long("processes that wait for each other on two cores")
 @needs_mpirun
 @pytest.mark.parametrize(("n", "m"), [(0, 2), slow(4, 0)])
 def test_forces_on_bodies_go_on_on_other_processes(n, m, met, tmp_path):
