@@ -9,7 +9,7 @@ module brz_cut_list_loop_bodies
     implicit none
     private
     public :: cut_cell_of, cut_mark, cut_widen, cut_set_slot, cut_find_beside, cut_find_home
-    public :: entry_at
+    public :: entry_at, nodes_around
 
 contains
 
@@ -100,6 +100,20 @@ contains
         place(s) = 0
         if (inside) place(s) = int(place_of(nodes%grid, ijk(1), ijk(2), ijk(3)), int32)
     end subroutine cut_set_slot
+
+    !> Nodes from `below` before a node to `above` behind it, in the directions that are modelled.
+    !@cuf attributes(host,device) &
+    pure subroutine nodes_around(nodes, ijk, below, above, low, high)
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: ijk(3), below, above
+        integer, intent(out) :: low(3), high(3)
+        integer :: d
+
+        do d = 1, 3
+            low(d) = merge(ijk(d) - below, 1, nodes%n(d) > 1)
+            high(d) = merge(ijk(d) + above, 1, nodes%n(d) > 1)
+        end do
+    end subroutine nodes_around
 
     !> Entry at a node of the grid; 0 where it is not listed.
     !@cuf attributes(host,device) &

@@ -4,7 +4,7 @@
 module brz_cut_load_loop_bodies
     use brz_air_grid, only: cell_at
     use brz_cut_cells, only: node_grid_t
-    use brz_cut_list_loop_bodies, only: entry_at
+    use brz_cut_list_loop_bodies, only: entry_at, nodes_around
     use brz_cut_node_loop_bodies, only: tent
     use brz_kinds, only: dp, int32, rk
     implicit none
@@ -24,16 +24,13 @@ contains
         real(dp), intent(in) :: mass(*) !! of the nodes [kg]
         real(dp), intent(inout) :: bearing(*)
         real(dp) :: around
-        integer :: d, high(3), i, ijk(3), j, k, low(3), node, wide
+        integer :: high(3), i, ijk(3), j, k, low(3), node, wide
 
         bearing(s) = 0
         if (place(s) == 0) return
         ijk = cell_at(nodes%n, cell(s))
         do wide = 0, 1
-            do d = 1, 3
-                low(d) = merge(ijk(d) - wide, 1, nodes%n(d) > 1)
-                high(d) = merge(ijk(d) + 1 + wide, 1, nodes%n(d) > 1)
-            end do
+            call nodes_around(nodes, ijk, wide, 1 + wide, low, high)
             around = 0
             do k = low(3), high(3)
                 do j = low(2), high(2)
@@ -72,10 +69,7 @@ contains
         end do
         if (.not. mass(s) > 0) return
         ijk = cell_at(nodes%n, cell(s))
-        do d = 1, 3
-            low(d) = merge(ijk(d) - 2, 1, nodes%n(d) > 1)
-            high(d) = merge(ijk(d) + 1, 1, nodes%n(d) > 1)
-        end do
+        call nodes_around(nodes, ijk, 2, 1, low, high)
         do k = low(3), high(3)
             do j = low(2), high(2)
                 do i = low(1), high(1)

@@ -4,7 +4,7 @@
 module brz_cut_motion_loop_bodies
     use brz_air_grid, only: cell_at
     use brz_cut_cells, only: bare, node_grid_t
-    use brz_cut_list_loop_bodies, only: entry_at
+    use brz_cut_list_loop_bodies, only: entry_at, nodes_around
     use brz_cut_node_loop_bodies, only: tent
     use brz_driven_body_rules, only: add_force, add_yield, carried_velocity, driven_body_at, &
         driven_body_t, is_carried
@@ -54,7 +54,7 @@ contains
         integer(int32), intent(in) :: heaviest(*) !! particle at each node
         integer(int32), intent(in) :: fixed(*)
         integer(int32), intent(inout) :: carrier(*)
-        integer :: b, d, high(3), i, ijk(3), j, k, low(3), node, p, wide
+        integer :: b, high(3), i, ijk(3), j, k, low(3), node, p, wide
         real(dp) :: most
 
         carrier(s) = 0
@@ -63,10 +63,7 @@ contains
         most = 0
         p = 0
         do wide = 0, 1
-            do d = 1, 3
-                low(d) = merge(ijk(d) - wide, 1, nodes%n(d) > 1)
-                high(d) = merge(ijk(d) + 1 + wide, 1, nodes%n(d) > 1)
-            end do
+            call nodes_around(nodes, ijk, wide, 1 + wide, low, high)
             do k = low(3), high(3)
                 do j = low(2), high(2)
                     do i = low(1), high(1)
@@ -122,10 +119,7 @@ contains
         end if
         ijk = cell_at(nodes%n, cell(s))
         do wide = 0, 1
-            do d = 1, 3
-                low(d) = merge(ijk(d) - wide, 1, nodes%n(d) > 1)
-                high(d) = merge(ijk(d) + 1 + wide, 1, nodes%n(d) > 1)
-            end do
+            call nodes_around(nodes, ijk, wide, 1 + wide, low, high)
             all = 0
             do k = low(3), high(3)
                 do j = low(2), high(2)

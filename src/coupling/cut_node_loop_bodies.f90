@@ -8,7 +8,7 @@ module brz_cut_node_loop_bodies
     use brz_air_grid, only: cell_at
     use brz_cut_cells, only: node_grid_t
     use brz_cut_geometry, only: ball_of, distance_of_fill, thickness_of
-    use brz_cut_list_loop_bodies, only: entry_at
+    use brz_cut_list_loop_bodies, only: entry_at, nodes_around
     use brz_kinds, only: dp, int32, rk
     implicit none
     private
@@ -242,10 +242,7 @@ contains
 
         distance(s) = distance_of_fill(fill(s))
         ijk = cell_at(nodes%n, cell(s))
-        do d = 1, 3
-            low(d) = merge(ijk(d) - 2, 1, nodes%n(d) > 1)
-            high(d) = merge(ijk(d) + 1, 1, nodes%n(d) > 1)
-        end do
+        call nodes_around(nodes, ijk, 2, 1, low, high)
         do k = low(3), high(3)
             do j = low(2), high(2)
                 do i = low(1), high(1)
