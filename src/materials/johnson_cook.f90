@@ -10,6 +10,7 @@ module brz_johnson_cook
     use brz_material, only: material_t, n_par
     use brz_metal_keys, only: amount, derive_metal, describe_metal, m_rate0
     use brz_model, only: model_t
+    use brz_thermal_softening, only: softened_by_heat
     implicit none
     private
     public :: johnson_cook, describe_johnson_cook, heat_johnson_cook, flow_johnson_cook
@@ -50,8 +51,7 @@ contains
         real(rk), intent(in) :: par(n_par), hot !! T*
         real(rk) :: soft
 
-        soft = 1
-        if (hot > 0) soft = 1 - hot**par(p_m)
+        soft = softened_by_heat(hot, par(p_m))
     end function heat_johnson_cook
 
     !> Flow stress and its slopes, finite also at strain = 0.

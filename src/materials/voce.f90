@@ -11,6 +11,7 @@ module brz_voce
     use brz_material, only: material_t, n_par
     use brz_metal_keys, only: amount, derive_metal, describe_metal, m_rate0
     use brz_model, only: model_t, real_key
+    use brz_thermal_softening, only: softened_by_heat
     implicit none
     private
     public :: voce, describe_voce, heat_voce, flow_voce
@@ -64,8 +65,7 @@ contains
         real(rk), intent(in) :: par(n_par), hot !! T*
         real(rk) :: soft
 
-        soft = 1
-        if (hot > 0) soft = 1 - hot**par(p_m)
+        soft = softened_by_heat(hot, par(p_m))
     end function heat_voce
 
     !> Flow stress and its slopes.
