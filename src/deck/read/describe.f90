@@ -93,13 +93,8 @@ contains
         text = '# Deck reference'//lf//lf// &
                paragraph('For whoever writes a deck or looks up one of its keys. The page is '// &
                          'written by `brisance --describe --markdown` from the key table: '// &
-                         'change the table, not this page.')//lf//lf// &
-               paragraph('A deck is a text file of namelist groups in SI units. `&` as the '// &
-                         'first character of a line, or behind the `/` of the group before, '// &
-                         'opens a group, `/` closes it, `!` starts a comment; text between '// &
-                         'groups is comment. Values are separated '// &
-                         'by commas, texts stand in quotes, `3*0.0` is three zeros. Groups '// &
-                         'that carry an `id` may stand many times.')//lf//lf// &
+                         'change the table, not this page. How a deck is written: '// &
+                         '[a deck](deck.md).')//lf//lf// &
                paragraph('Keys that a first deck needs are **basic**, and `--describe` shows '// &
                          'them; some decks need the *advanced* ones, and `--describe GROUP '// &
                          '--all` shows them too. Keys of *experts* choose between numerical '// &
@@ -110,33 +105,96 @@ contains
         end do
     end subroutine describe_markdown
 
+    !> Rows that an earlier model has too are named behind the table, but for the basic ones.
     subroutine markdown_group(keys, group, text)
         type(key_t), intent(in) :: keys(:)
         character(*), intent(in) :: group
         character(:), allocatable, intent(inout) :: text
-        character(len(keys%owner)) :: owner
+        character(len(keys%owner)) :: owner, like
+        character(:), allocatable :: shared
+        type(string_t) :: rows(size(keys))
         logical :: header
         integer :: i
 
         text = text//lf//'## &'//group//lf//lf//paragraph(group_meaning(keys, group, ''))//lf
+        do i = 1, size(keys)
+            rows(i)%s = markdown_row(keys, keys(i))
+        end do
         owner = ''
+        like = ''
+        shared = ''
         header = .true.
         do i = 1, size(keys)
             if (keys(i)%group /= group) cycle
             if (keys(i)%owner /= owner) then
+                call name_shared(like, shared, text)
                 owner = keys(i)%owner
+                like = model_alike(keys, rows, owner)
                 header = .true.
                 text = text//lf//"### model='"//trim(owner)//"'"//lf
                 if (group_meaning(keys, group, trim(owner)) /= '') &
                     text = text//lf//paragraph(group_meaning(keys, group, trim(owner)))//lf
             end if
             if (keys(i)%key == '') cycle
+            if (stands_before(keys, rows, i, like)) then
+                shared = shared//', `'//trim(keys(i)%key)//'`'
+                cycle
+            end if
             if (header) text = text//lf//'| key | level | values | unit | default | '// &
                                'meaning |'//lf//'|---|---|---|---|---|---|'//lf
             header = .false.
-            call markdown_row(keys, keys(i), text)
+            text = text//rows(i)%s
         end do
+        call name_shared(like, shared, text)
     end subroutine markdown_group
+
+    !> The model before `owner` that shares the most rows with it, '' for fewer than ten.
+    pure function model_alike(keys, rows, owner) result(like)
+        type(key_t), intent(in) :: keys(:)
+        type(string_t), intent(in) :: rows(:) !! as they stand in tables
+        character(*), intent(in) :: owner
+        character(len(keys%owner)) :: like
+        integer :: i, j, n, most
+
+        like = ''
+        most = 9
+        do i = 1, size(keys)
+            if (keys(i)%owner == owner) return
+            if (keys(i)%owner == '' .or. any(keys(:i - 1)%owner == keys(i)%owner)) cycle
+            n = count([(keys(j)%owner == owner .and. &
+                        stands_before(keys, rows, j, keys(i)%owner), j=1, size(keys))])
+            if (n <= most) cycle
+            most = n
+            like = keys(i)%owner
+        end do
+    end function model_alike
+
+    !> Is row i, which no first deck needs, one of the model `like`, too?
+    pure logical function stands_before(keys, rows, i, like)
+        type(key_t), intent(in) :: keys(:)
+        type(string_t), intent(in) :: rows(:)
+        integer, intent(in) :: i
+        character(*), intent(in) :: like
+        integer :: j
+
+        stands_before = .false.
+        if (like == '' .or. level_name(keys(i)) == 'basic') return
+        do j = 1, i - 1
+            if (keys(j)%owner /= like) cycle
+            stands_before = rows(j)%s == rows(i)%s
+            if (stands_before) return
+        end do
+    end function stands_before
+
+    !> The line that names the rows shared with `like`; begins the list anew.
+    subroutine name_shared(like, shared, text)
+        character(*), intent(in) :: like
+        character(:), allocatable, intent(inout) :: shared, text
+
+        if (shared == '') return
+        text = text//lf//paragraph('Besides, as in `'//trim(like)//'`: '//shared(3:)//'.')//lf
+        shared = ''
+    end subroutine name_shared
 
     !> The words of a text in lines of at most 120 columns.
     pure function paragraph(text) result(lines)
@@ -162,12 +220,12 @@ contains
         end do
     end function paragraph
 
-    subroutine markdown_row(keys, row, text)
+    pure function markdown_row(keys, row) result(text)
         type(key_t), intent(in) :: keys(:)
         type(key_t), intent(in) :: row
-        character(:), allocatable, intent(inout) :: text
+        character(:), allocatable :: text
 
-        text = text//'| `'//trim(row%key)//'` | '
+        text = '| `'//trim(row%key)//'` | '
         if (level_name(row) == 'basic') then
             text = text//'**basic** | '//kind_name(row)
         else
@@ -187,7 +245,7 @@ contains
         if (choices(keys, row) /= '') text = text//full_stop(row)//' One of: '// &
                                         choices(keys, row)//'.'
         text = text//' |'//lf
-    end subroutine markdown_row
+    end function markdown_row
 
     !> What the row without key says of a group or of a model.
     pure function group_meaning(keys, group, owner) result(text)
