@@ -260,7 +260,8 @@ contains
                 'differ by a factor of '//to_text(ratio)//'; at most '//to_text(most_ratio))
             if (ratio > good_ratio) solid%notes = solid%notes//"bodies '"//trim(p%id)//"' and '"// &
                 trim(q%id)//"' are joined with smoothing lengths that differ by a factor of "// &
-                to_text(ratio)//': waves are reflected at the bond'//new_line('a')
+                to_text(nint(100*ratio)/100.0_dp)//': waves are reflected at the bond'// &
+                new_line('a')
         end associate
     end subroutine judge_bond
 end module brz_interaction_setup
