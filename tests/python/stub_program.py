@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -IS
 # SPDX-License-Identifier: MIT
 """Stands for the program where a test is about studies alone: a formula of the deck's numbers.
 

@@ -31,11 +31,14 @@ COARSE = {
     ),
     # the front arrives at 0.163 ms; 370 Pa s over 33 kg/m2 in 40 us
     "plate_air": (
-        ["air.cells=17,17,56", "body.spacing=2.1e-3", "run.t_end=2.1e-4"],
+        ["air.cells=17,17,56", "body.spacing=4.2e-3", "run.t_end=2.1e-4"],
         ("gauges", "mid"), (0.1e-3, 0.6e-3),
     ),
-    # a free plate: 1 kPa s over 12.6 kg/m2, from the middle of the pulse on: 2.65 mm
-    "plate_impulse": (["run.t_end=4e-5"], ("gauges", "mid"), (2.60e-3, 2.70e-3)),
+    # a free plate: 1 kPa s over 12.6 kg/m2, a pulse that falls to nothing in 20 us: 1.86 mm
+    "plate_impulse": (
+        ["body.aspect=4.551141,4.551141,1", "run.t_end=3e-5"],
+        ("gauges", "mid"), (1.83e-3, 1.89e-3),
+    ),
     # a free slab: 545 Pa s over 96 kg/m2 for some 20 us
     "rc_slab": (
         ["body(slab).spacing=10e-3", "body(bars_x).spacing=6e-3",
@@ -44,14 +47,14 @@ COARSE = {
     ),
     # a free plate: 475 Pa s over 6.3 kg/m2
     "laminate": (
-        ["body.spacing=2.1e-3", "run.t_end=2.2e-4"], ("gauges", "mid"), (1e-3, 4e-3),
+        ["body.spacing=4.2e-3", "run.t_end=2.2e-4"], ("gauges", "mid"), (1e-3, 4e-3),
     ),
     "fragment_plate": (
         ["body(target).spacing=4e-3", "body(fragment).spacing=4e-3", "run.t_end=4e-5"],
         ("gauges", "back"), (100, 400),
     ),
     "rod_concrete": (
-        ["body(slab).spacing=16e-3", "run.t_end=6e-5"], ("bodies", "rod:velocity_z"), (748, 750),
+        ["body(slab).spacing=20e-3", "run.t_end=6e-5"], ("bodies", "rod:velocity_z"), (748, 750),
     ),
     # the pieces of both fly on with less than the projectile had
     "hypervelocity": (
