@@ -85,7 +85,7 @@ end module
 """
 
 
-@pytest.mark.long("the compiler runs several times")
+@pytest.mark.slow
 def test_tests_use_the_library_as_it_is_built(project):
     (project / "src/base/third.f90").write_text(THIRD.replace("only: a", "only: b => a"))
     (project / "tests/unit").mkdir()

@@ -144,7 +144,7 @@ def agree(folder, text_in, orders, blast=False):
     return here
 
 
-@pytest.mark.parametrize("seed", [1, slow(2), slow(3), 5, slow(7)])
+@pytest.mark.parametrize("seed", [1, slow(2), slow(3), slow(5), slow(7)])
 def test_units_and_axes_do_not_matter(tmp_path, seed):
     orders = list(itertools.permutations(range(3)))[1:4]
     here = agree(tmp_path, lambda frame: scene(seed, frame), orders)

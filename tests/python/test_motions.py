@@ -158,7 +158,7 @@ def test_a_motion_across_a_plane_of_symmetry_is_told(tmp_path, axis, told):
 # Held, on a roller, bent and twisted by two motions, pressed on one of them, met by a block that a
 # motion draws
 MOVED = (
-    "&run title='moved', t_end=2e-5, energy_band=0.5 /\n"
+    "&run title='moved', t_end=1.4e-5, energy_band=0.5 /\n"
     + STEEL
     + """\
 &body id='b', box=0,0.02, 0,0.006, 0,0.006, spacing=1e-3, material='s',
@@ -174,7 +174,7 @@ MOVED = (
 &gauge id='draw', body='c', motion='draw', quantity='reaction_y' /
 &gauge id='all', body='b', quantity='reaction_z' /
 &gauge id='x', body='b', at=0.02,0,0, quantity='displacement_x' /
-&output history_every=0, checkpoint_every=5e-6, dump_every=1e-5 /
+&output history_every=0, checkpoint_every=2.5e-6, dump_every=5e-6 /
 """
 )
 
@@ -207,7 +207,7 @@ def test_motions_do_not_depend_on_processes(n, alone, tmp_path):
 @pytest.mark.parametrize(("n", "m"), [(2, 0), slow(0, 0), slow(0, 4)])
 def test_motions_go_on_after_a_restart(n, m, alone, tmp_path):
     (tmp_path / "deck.nml").write_text(MOVED)
-    in_two(n, m, 90, tmp_path)
+    in_two(n, m, 60, tmp_path)
     equal_bodies(alone, tmp_path / "out")
     assert (tmp_path / "out/gauges.csv").read_text() == (alone / "gauges.csv").read_text()
 

@@ -10,6 +10,7 @@ import sys
 
 import pytest
 from test_run import BRISANCE, DECK, ROOT, run, tables, wait_for
+from tiers import slow
 
 ENDLESS = ["--set", "run.t_end=1"]
 
@@ -122,7 +123,9 @@ def whole_blast(tmp_path_factory):
     return tables(folder / "out" / "slab")
 
 
-@pytest.mark.parametrize("number", STOPS)
+@pytest.mark.parametrize(
+    "number", [n if n in (signal.SIGTERM, signal.SIGUSR2) else slow(n) for n in STOPS]
+)
 def test_a_stop_during_the_set_up(number, scene, whole_blast):
     """A checkpoint of the first step, and a restart continues it."""
     code, _, words = ask_while_set_up(scene, number)

@@ -35,7 +35,7 @@ def history(file):
     return dict(zip(names, values.T, strict=True))
 
 
-TIERS = [case if case.name in ("slab_1", "fragments") else slow(case) for case in TINY]
+TIERS = [case if case.name == "slab_1" else slow(case) for case in TINY]
 
 
 @pytest.mark.long("scenes of the paper, coarse")
@@ -159,7 +159,7 @@ def test_mirror_image_is_left_out(tmp_path):
 
 
 # One deck of each kind: a load, cylinders, air, interfaces, bars.
-KINDS = ("slab_1", "slab_2_cylinder", "slab_2_air", "slab_2_glue_breaks", "slab_2_trade_bars")
+KINDS = ("slab_2_cylinder", "slab_2_glue_breaks")
 DECKS = [
     (size, case.name) if size == "questions" and case.name in KINDS else slow(size, case.name)
     for size in paper.QUESTIONS

@@ -109,7 +109,7 @@ def test_round_hole(tmp_path, radius):
     assert found.loose == pytest.approx(made.within(radius).mean())
 
 
-@pytest.mark.parametrize("spacing", [8e-4, 4e-4, 2e-4])
+@pytest.mark.parametrize("spacing", [8e-4, 4e-4, slow(2e-4)])
 def test_hole_converges_with_the_spacing(tmp_path, spacing):
     made = Made(spacing=spacing)
     centre = (1.31e-3, -0.77e-3)
@@ -254,7 +254,9 @@ def test_no_hole(tmp_path):
     )
 
 
-def test_command_and_report(tmp_path, capsys):
+def test_command_and_report(tmp_path, capsys, monkeypatch):
+    for size in ("TALL", "WIDE"):
+        monkeypatch.setattr(f"post.scene.{size}", (300, 300))
     made = Made(spacing=8e-4)
     made.fling(made.within(3e-3))
     run = made.run(tmp_path)

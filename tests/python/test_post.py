@@ -318,6 +318,8 @@ def small_pictures(monkeypatch):
     monkeypatch.setattr("post.scene.WIDE", (300, 300))
 
 
+# (make test has test_what_is_not_finite_is_told of test_post_damage.py)
+@pytest.mark.slow
 def test_a_broken_picture_does_not_stop_the_report(tmp_path, capsys, small_pictures):
     folder = write_small(tmp_path / "a")
     (folder / "gauges.csv").write_text("time[s],A:pressure[Pa]\n0.0,1e5\n1e-4,nan\n")
@@ -326,7 +328,9 @@ def test_a_broken_picture_does_not_stop_the_report(tmp_path, capsys, small_pictu
     assert "'A:pressure' is not finite" in out and (folder / "report.html").exists()
 
 
-def test_solid_alone_and_air_alone(tmp_path, small_pictures):
+# (make test has a report of solids alone in test_perforation.py)
+@pytest.mark.slow
+def test_solid_alone(tmp_path, small_pictures):
     solid = write_small(tmp_path / "solid")
     for path in [*solid.glob("air*"), solid / "gauges.csv"]:
         path.unlink()
@@ -343,6 +347,9 @@ def test_solid_alone_and_air_alone(tmp_path, small_pictures):
         "motion",
         "sheet",
     ]
+
+
+def test_air_alone(tmp_path, small_pictures):
     air = write_small(tmp_path / "air")
     for path in [*air.glob("solid*"), air / "bodies.csv"]:
         path.unlink()

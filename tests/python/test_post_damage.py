@@ -51,13 +51,45 @@ def report(folder, capsys):
     return code, found.out, found.err
 
 
+def test_what_is_not_finite_is_told(folder, capsys, recwarn):
+    """In every kind of file; the slow tests that follow have each alone, and other columns."""
+    put(folder / "solid_00004.vtkhdf", "PointData/displacement", np.nan, slice(0, 5))
+    put(folder / "air_00003.vtkhdf", "CellData/pressure", np.inf, slice(0, 2))
+    lines = (folder / "energy.csv").read_text().splitlines()
+    name, cells = re.sub(r"\[.*", "", lines[0].split(",")[5]), lines[7].split(",")
+    lines[7] = ",".join([*cells[:5], "inf", *cells[6:]])
+    (folder / "energy.csv").write_text("\n".join(lines) + "\n")
+    (folder / "gauges.csv").write_text("time[s],A:pressure[Pa]\n0.0,1e5\n1e-4,nan\n")
+    code, out, _ = report(folder, capsys)
+    assert code == 3 and "no picture" not in out
+    assert "solid_00004.vtkhdf: 'displacement' is not finite at t = 0.00045 s" in out
+    assert "air_00003.vtkhdf: 'pressure' is not finite" in out
+    assert f"energy.csv: '{name}' is not finite" in out
+    assert "'A:pressure' is not finite" in out
+    assert (folder / "report" / "energy.png").is_file()
+    assert not [w for w in recwarn if "invalid value" in str(w.message)]
+
+
+def test_dumps_that_are_damaged_or_zero_are_left_out(folder, capsys):
+    """The slow tests that follow have each alone, and other kinds."""
+    path = folder / "air_00002.vtkhdf"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    put(folder / "solid_00003.vtkhdf", "PointData/id", 0)
+    put(folder / "air_00001.vtkhdf", "CellData/pressure", 0)
+    code, out, _ = report(folder, capsys)
+    assert code == 4 and "no picture" not in out
+    assert f"{path}: is damaged or not HDF5" in out
+    assert "solid_00003.vtkhdf: 'id' is zero throughout; it is left out" in out
+    assert "air_00001.vtkhdf: 'pressure' is zero throughout; it is left out" in out
+    run = Run(folder)
+    run.leave_out_damaged()
+    assert [frame.number for frame in run.frames] == [0, 4]
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("field", "value"),
-    [
-        slow("Points", np.inf),
-        ("PointData/displacement", np.nan),
-        slow("PointData/damage", np.nan),
-    ],
+    [("Points", np.inf), ("PointData/displacement", np.nan), ("PointData/damage", np.nan)],
 )
 def test_particles_that_are_not_finite(folder, capsys, recwarn, field, value):
     put(folder / "solid_00004.vtkhdf", field, value, slice(0, 5))
@@ -67,7 +99,8 @@ def test_particles_that_are_not_finite(folder, capsys, recwarn, field, value):
     assert not [w for w in recwarn if "invalid value" in str(w.message)]
 
 
-@pytest.mark.parametrize(("number", "value"), [slow(2, np.inf), (4, np.nan)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "value"), [(2, np.inf), (4, np.nan)])
 def test_air_that_is_not_finite(folder, capsys, number, value):
     put(folder / f"air_0000{number}.vtkhdf", "CellData/pressure", value, slice(0, 2))
     code, out, _ = report(folder, capsys)
@@ -75,7 +108,8 @@ def test_air_that_is_not_finite(folder, capsys, number, value):
     assert "no picture" not in out
 
 
-@pytest.mark.parametrize(("column", "value"), [slow(0, "nan"), (5, "inf"), slow(17, "inf")])
+@pytest.mark.slow
+@pytest.mark.parametrize(("column", "value"), [(0, "nan"), (5, "inf"), (17, "inf")])
 def test_history_that_is_not_finite(folder, capsys, column, value):
     lines = (folder / "energy.csv").read_text().splitlines()
     cells = lines[7].split(",")
@@ -102,12 +136,10 @@ def test_echo_that_is_no_deck(folder, capsys, content):
     assert "demo.echo.nml" in err and err.count("\n") == 1 and len(err) < 400
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "number", "content"),
-    [
-        ("air", 2, "cut"),
-        *(slow(*rest) for rest in [("solid", 2, "zeros"), ("solid", 4, "cut"), ("air", 0, "text")]),
-    ],
+    [("air", 2, "cut"), ("solid", 2, "zeros"), ("solid", 4, "cut"), ("air", 0, "text")],
 )
 def test_damaged_dump_is_told_and_left_out(folder, capsys, kind, number, content):
     path = folder / f"{kind}_0000{number}.vtkhdf"
@@ -123,8 +155,9 @@ def test_damaged_dump_is_told_and_left_out(folder, capsys, kind, number, content
     assert [frame.number for frame in run.frames] == [n for n in range(5) if n != number]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("kind", "field"), [("air", "CellData/pressure"), slow("solid", "PointData/id")]
+    ("kind", "field"), [("air", "CellData/pressure"), ("solid", "PointData/id")]
 )
 def test_dump_of_zeros_is_told(folder, capsys, kind, field):
     put(folder / f"{kind}_00002.vtkhdf", field, 0)

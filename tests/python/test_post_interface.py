@@ -74,7 +74,9 @@ def test_a_map_of_what_is_debonded(stamp, tmp_path):
 
 
 @pytest.mark.long("a run and its report")
-def test_in_two_dimensions_the_report_has_a_curve(tmp_path, capsys):
+def test_in_two_dimensions_the_report_has_a_curve(tmp_path, capsys, monkeypatch):
+    for size in ("TALL", "WIDE"):
+        monkeypatch.setattr(f"post.scene.{size}", (300, 300))
     run = run_of(tmp_path, PEEL)
     assert main(["report", str(run.folder)]) == 0
     assert "Cohesive interfaces" in capsys.readouterr().out

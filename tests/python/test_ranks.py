@@ -93,7 +93,8 @@ def test_more_processes_than_boxes_are_refused(tmp_path):
 @needs_mpirun
 def test_the_first_computes_the_air_along_a_line(tmp_path):
     for n in (0, 3):
-        done = start(n, "run", ROOT / "inputs/free_air.nml", "--out", tmp_path / str(n))
+        done = start(n, "run", ROOT / "inputs/free_air.nml", "--out", tmp_path / str(n),
+                     "--set", "charge.radial_cells=60")  # fmt: skip
         assert done.returncode == 0, done.stderr
         assert ("one of 3 computes a geometry = 'spherical'" in done.stdout) == (n == 3)
     for file in (tmp_path / "0").glob("*.csv"):
@@ -223,7 +224,7 @@ def test_any_number_of_processes_goes_on(n, alone, tmp_path):
     (tmp_path / "deck.nml").write_text(AIR)
     done = start(n, "run", "deck.nml", "--out", "out", "--set", "run.max_steps=20", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    for m in (0, 2, 3, 4):
+    for m in (0, 2, 3, 4) if n == 3 else (2, 3):
         shutil.copytree(tmp_path / "out", tmp_path / str(m))
         done = start(m, "run", "deck.nml", "--out", str(m), "--restart", "latest", cwd=tmp_path)
         assert done.returncode == 0, done.stderr

@@ -29,7 +29,7 @@ MEETING = f"""\
 # Bodies that do not meet, some seconds: steel that is drawn until it fails beside two planes of
 # symmetry, a total-Lagrangian plate, one of variable smoothing length whose particles leave.
 BODIES = f"""\
-&run title = 'bodies', t_end = 8e-6, symmetry = 'x', 'z', energy_band = 0.5 /
+&run title = 'bodies', t_end = 4e-6, symmetry = 'x', 'z', energy_band = 0.5 /
 {MATERIALS}\
 &body id = 'bar', shape = 'box', box = 0,0.008, 0,0.005, 0,0.005, spacing = 1e-3, material = 's',
      fix = 'x+', motion_time = 0,1e-6,1, motion_velocity = 0,0,0, 900,10,30, 900,10,30 /
@@ -44,7 +44,7 @@ BODIES = f"""\
 &gauge id = 'foil', body = 'bar', at = 0,0,0, to = 0.008,0.005,0.005, quantity = 'strain' /
 &gauge id = 'across', body = 'block', at = 0,0.035,0.03, to = 0.007,0.039,0.037,
      quantity = 'strain' /
-&output dump_every = 4e-6, history_every = 0 /
+&output dump_every = 2e-6, history_every = 0 /
 """
 
 

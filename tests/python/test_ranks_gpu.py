@@ -250,6 +250,8 @@ def test_bodies_that_meet_and_are_loaded_do_not_depend_on_gpus(n, m, gpu, met, t
     equal_bodies(alone, tmp_path / "out")
 
 
+# (make test has it on processes, and loaded faces on GPUs)
+@pytest.mark.slow
 @needs_mpirun
 def test_a_loaded_face_may_be_torn_on_gpus(gpu, tmp_path):
     one, two = tmp_path / "one", tmp_path / "two"

@@ -23,7 +23,8 @@ LOADED = f"""\
 &interaction law = 'none' /
 &load id = 'blast', body = 'plate', faces = 'z+', mass = 0.05, at = 0.004, 0, 0.12,
      detonation_time = -2.4e-5 /
-&load id = 'press', body = 'block', faces = 'x-', 'z+', time = 0, 4e-6, 1.6e-5, pressure = 0, 3e7, 0 /
+&load id = 'press', body = 'block', faces = 'x-', 'z+', time = 0, 4e-6, 1.6e-5,
+     pressure = 0, 3e7, 0 /
 &load id = 'push', body = 'die', acceleration = 1e6, 0, 4e5 /
 &load id = 'side', body = 'die', faces = 'y+', pressure = 2e7 /
 &load id = 'end', body = 'bar', faces = 'x+', 'z+', pressure = 1e7 /

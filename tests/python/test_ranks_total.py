@@ -44,7 +44,7 @@ def go(n, folder, out, backend, *more):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.fixture(name="alone", scope="module", params=["cpu", "gpu"])
+@pytest.fixture(name="alone", scope="module", params=["cpu", slow("gpu")])
 def _alone(request, tmp_path_factory):
     """Backend, and the folder of a run on one process. Everything has met."""
     folder = tmp_path_factory.mktemp(request.param)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from notes import note
+from tiers import slow
 
 BRISANCE = Path(__file__).parents[2] / "bin" / "brisance"
 
@@ -55,7 +56,8 @@ def test_a_fine_rigid_body_costs_few_steps(tmp_path):
 # The springs of contact and the mass of the body make a period; a step that is a fixed part of it
 # keeps the energy.
 @pytest.mark.parametrize(("shape", "density", "speed", "dx"), [
-    (BALL, 20, 30, 1e-3), (BALL, 150, 200, 4e-4), (BOX, 30, 100, 5e-4), (BOX, 30, 10, 1e-3),
+    slow(BALL, 20, 30, 1e-3), (BALL, 150, 200, 4e-4), slow(BOX, 30, 100, 5e-4),
+    slow(BOX, 30, 10, 1e-3),
 ])  # fmt: skip
 def test_a_light_rigid_body_bounces_without_loss(tmp_path, shape, density, speed, dx):
     keys = {"shape": shape, "dx": dx, "density": density, "speed": speed}

@@ -12,6 +12,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from tiers import slow
 
 ROOT = Path(__file__).parents[2]
 BRISANCE = ROOT / "bin" / "brisance"
@@ -247,7 +248,7 @@ def test_restart_refuses_another_deck(scene):
 
 
 @pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGUSR2, 75), (signal.SIGTERM, 75), (signal.SIGUSR1, 0)]
+    ("number", "code"), [(signal.SIGUSR2, 75), slow(signal.SIGTERM, 75), (signal.SIGUSR1, 0)]
 )
 def test_signals(scene, tmp_path, number, code):
     """USR2 and TERM stop with a checkpoint that a restart continues; USR1 goes on."""

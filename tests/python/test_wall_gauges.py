@@ -65,14 +65,14 @@ PLATE = """\
 
 
 CROSS = """\
-&run title='A plate across the cuts between processes', t_end=1.2e-4 /
+&run title='A plate across the cuts between processes', t_end=8e-5 /
 &air box=0,0.16, 0,0.16, -0.13,0.11, cells=16,16,24,
     bc='symmetry','outflow','symmetry','outflow','outflow','outflow' /
 &gas id='hot', box=0,0.06, 0,0.06, 0.05,0.1, density=8, pressure=1e7 /
 &material id='m', model='linear_elastic', density=300, youngs_modulus=1e8, poisson_ratio=0.3 /
-&body id='plate', box=0.02,0.12, 0.01,0.13, -0.035,0.015, spacing=5e-3, material='m',
+&body id='plate', box=0.02,0.12, 0.01,0.13, -0.035,0.015, spacing=0.01, material='m',
     velocity=40,-20,-90, spin=0,0,300 /
-&body id='post', box=0,0.01, 0,0.01, -0.05,0.03, spacing=5e-3, material='m', velocity=0,0,-200 /
+&body id='post', box=0,0.01, 0,0.01, -0.05,0.03, spacing=0.01, material='m', velocity=0,0,-200 /
 {gauges}&output history_every=0 /
 """
 
