@@ -7,11 +7,10 @@
 module brz_solid_links
     use brz_bond_marks, only: tie_intact
     use brz_cell_grid, only: cell_span, extent, fill_cells, lay_grid, number_of_cell
-    use brz_contact_loop_bodies, only: owner_of
     use brz_interaction, only: law_bonded, law_none
     use brz_kinds, only: dp, int32, int64
     use brz_link_layout, only: link_unit, mask_unit, n_press
-    use brz_link_rows, only: first_link, last_link, link_partner
+    use brz_link_rows, only: body_of, first_link, last_link, link_partner
     use brz_links, only: links_t
     use brz_list_drift, only: begin_links, links_reach, may_link
     use brz_particle_marks, only: is_gone
@@ -246,9 +245,9 @@ contains
         integer(int64) :: k
 
         do i = 1, solid%n
-            a = owner_of(solid%links%ends, i)
+            a = body_of(solid%links, i)
             do k = first_link(solid%links, i), last_link(solid%links, i)
-                b = owner_of(solid%links%ends, link_partner(solid%links, k))
+                b = body_of(solid%links, link_partner(solid%links, k))
                 if (solid%links%table(a, b)%law == law_bonded) &
                     solid%links%bond(i) = tie_intact
             end do

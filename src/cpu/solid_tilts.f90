@@ -3,11 +3,11 @@
 !> body.
 module brz_solid_tilts
     use brz_body, only: body_t
-    use brz_contact_loop_bodies, only: owner_of
     use brz_kernel, only: kernel_scale, kernel_slope
     use brz_kinds, only: dp, int64, real32, rk
     use brz_solid_arrays, only: group_of
-    use brz_link_rows, only: first_link, is_bonded, last_link, link_mask, link_partner
+    use brz_link_rows, only: body_of, first_link, is_bonded, last_link, link_mask, &
+        link_partner
     use brz_solid_mirror, only: signs
     use brz_listed_bodies, only: listed_bodies_t
     use brz_threads, only: worth_threads
@@ -73,8 +73,7 @@ contains
                 j = link_partner(solid%links, k)
                 if (.not. is_bonded(solid%links, i, j)) cycle
                 glued = .true.
-                associate (m => solid%links%table(owner_of(solid%links%ends, i), &
-                                                  owner_of(solid%links%ends, j)))
+                associate (m => solid%links%table(body_of(solid%links, i), body_of(solid%links, j)))
                     call add(solid, across, i, j, link_mask(solid%links, k), &
                              m%part(1)*m%scale/real(solid%depth, rk), m%half_over_h, sums)
                 end associate

@@ -50,7 +50,7 @@ contains
         i = first - 1 + k
         call links_of(lay, i, row, slice, count, q, n, at)
         if (n == 0) return
-        a = owner_of(ends, i)
+        a = owner_of(lay%bodies, ends, i)
         own = cell(a)*mass(i)*weight(i)
         energy = 0
         lost = 0
@@ -61,7 +61,7 @@ contains
         end do
         do m = 0, n - 1
             call look_along(lay, list(at + m*lay%side), i, x, v, j, s, r, dv)
-            b = owner_of(ends, j)
+            b = owner_of(lay%bodies, ends, j)
             if (b /= other .or. table(a, b)%law == law_shared) cycle
             d = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
             if (d > 2*table(a, b)%h) cycle

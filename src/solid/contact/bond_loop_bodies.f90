@@ -45,14 +45,14 @@ contains
         integer(int32) :: next
         integer(int64) :: at
 
-        a = owner_of(ends, i)
+        a = owner_of(lay%bodies, ends, i)
         do t = 1, 6
             other(t) = 0
         end do
         call links_of(lay, i, row, slice, count, t, n, at)
         do k = 1, n
             call look_ahead(lay, list, at, k, n, i, x, v, next, j, s, r, dv)
-            b = owner_of(ends, j)
+            b = owner_of(lay%bodies, ends, j)
             if (.not. joins(table(a, b), bond(i) == tie_intact .and. bond(j) == tie_intact)) cycle
             w = volume(1, j)*kernel_slope(table(a, b)%scale/lay%depth, table(a, b)%half_over_h, &
                                           sqrt(r(1)**2 + r(2)**2 + r(3)**2))
@@ -131,7 +131,7 @@ contains
         integer :: a, b, j, k, n, t
         integer(int64) :: at
 
-        a = owner_of(ends, i)
+        a = owner_of(lay%bodies, ends, i)
         do t = 1, 3
             unloaded(t) = x_ref(t, i)
         end do
@@ -141,7 +141,7 @@ contains
         call links_of(lay, i, row, slice, count, t, n, at)
         do k = 0, n - 1
             call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
-            b = owner_of(ends, j)
+            b = owner_of(lay%bodies, ends, j)
             if (.not. joins(table(a, b), bond(i) == tie_intact .and. bond(j) == tie_intact)) cycle
             slope = kernel_slope(table(a, b)%scale/lay%depth, table(a, b)%half_over_h, &
                                  sqrt(r(1)**2 + r(2)**2 + r(3)**2))
@@ -352,14 +352,14 @@ contains
         i = first - 1 + k
         if (bond(i) == bond_breaks) bond(i) = bond_broken
         if (bond(i) /= tie_intact) return
-        a = owner_of(ends, i)
+        a = owner_of(lay%bodies, ends, i)
         do t = 1, 3
             normal(t) = 0
         end do
         call links_of(lay, i, row, slice, count, t, n, at)
         do p = 0, n - 1
             call look_along(lay, list(at + p*lay%side), i, x, v, j, s, r, dv)
-            b = owner_of(ends, j)
+            b = owner_of(lay%bodies, ends, j)
             if (table(a, b)%law /= law_bonded) cycle
             w = pair(pair_volume, j)*kernel_slope(table(a, b)%scale, table(a, b)%half_over_h, &
                                                   sqrt(r(1)**2 + r(2)**2 + r(3)**2))
@@ -378,7 +378,7 @@ contains
         effort = 0
         do p = 0, n - 1
             call look_along(lay, list(at + p*lay%side), i, x, v, j, s, r, dv)
-            b = owner_of(ends, j)
+            b = owner_of(lay%bodies, ends, j)
             if (table(a, b)%law == law_bonded) &
                 effort = max(effort, bond_effort(table(a, b), own, normal))
         end do

@@ -38,14 +38,21 @@ contains
 
     !> Body of a particle.
     !@cuf attributes(host,device) &
-    pure function owner_of(ends, i) result(b)
-        integer(int32), intent(in) :: ends(*) !! last particle of each body
+    pure function owner_of(bodies, ends, i) result(b)
+        integer, intent(in) :: bodies
+        integer(int32), intent(in) :: ends(*) !! last place of each body
         integer, intent(in) :: i
-        integer :: b
+        integer :: b, middle, most
 
         b = 1
-        do while (i > ends(b))
-            b = b + 1
+        most = bodies
+        do while (b < most)
+            middle = (b + most)/2
+            if (i > ends(middle)) then
+                b = middle + 1
+            else
+                most = middle
+            end if
         end do
     end function owner_of
 
@@ -117,11 +124,11 @@ contains
             before(t) = 0
         end do
         freed = 0
-        a = owner_of(ends, i)
+        a = owner_of(lay%bodies, ends, i)
         call links_of(lay, i, row, slice, count, t, n, at)
         do k = 1, n
             call look_ahead(lay, list, at, k, n, i, x, v, next, j, s, r, dv)
-            b = owner_of(ends, j)
+            b = owner_of(lay%bodies, ends, j)
             if (.not. all) then
                 if (is_tied(table(a, b), bond(i), bond(j), joined(i), joined(j))) cycle
             end if
@@ -184,7 +191,7 @@ contains
         end do
         press(5) = now(link_stiffness)
         lost = 0
-        if (dt > 0) lost = cell(owner_of(ends, i))*mass(i)*weight(i) &
+        if (dt > 0) lost = cell(owner_of(lay%bodies, ends, i))*mass(i)*weight(i) &
             *spring_loss(last, real(touch, rk), dt, now, before)
     end subroutine press_particle
 
@@ -247,7 +254,7 @@ contains
         integer(int32) :: next
         integer(int64) :: at
 
-        a = owner_of(ends, i)
+        a = owner_of(lay%bodies, ends, i)
         do t = 1, n_terms
             f(t) = 0
         end do
@@ -269,7 +276,7 @@ contains
             call look_ahead(lay, list, at, k, n, i, x, v, next, j, s, r, dv)
             d = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
             vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
-            b = owner_of(ends, j)
+            b = owner_of(lay%bodies, ends, j)
             if (d > 2*table(a, b)%h) cycle
             if (table(a, b)%law /= law_shared) then
                 if (is_tied(table(a, b), bond(i), bond(j), joined(i), joined(j))) cycle

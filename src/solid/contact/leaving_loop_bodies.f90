@@ -66,10 +66,10 @@ contains
             if (iand(joined(i), ibset(0, loose_by) - 1) /= 0) fixed(i) = is_free
         end if
         call links_of(lay, i, row, slice, count, q, n, at)
-        a = owner_of(ends, i)
+        a = owner_of(lay%bodies, ends, i)
         do k = 0, n - 1
             call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
-            b = owner_of(ends, j)
+            b = owner_of(lay%bodies, ends, j)
             if (table(a, b)%law /= law_shared) then
                 if (is_tied(table(a, b), bond(i), bond(j), joined(i), joined(j))) cycle
             end if

@@ -12,7 +12,7 @@ module brz_link_rows
     use brz_interacting_bodies, only: interacting_bodies_t
     implicit none
     private
-    public :: first_link, last_link, link_partner, link_mask, is_bonded, joined_of
+    public :: first_link, last_link, link_partner, link_mask, body_of, is_bonded, joined_of
     public :: glue_of, nodes_of, layout_of_pushes
 
     real(dp), target :: no_glue(3, 0:0) = 0
@@ -56,10 +56,17 @@ contains
 
         is_bonded = .false.
         if (.not. links%bonds) return
-        is_bonded = links%table(owner_of(links%ends, i), &
-                                owner_of(links%ends, j))%law == law_bonded .and. &
+        is_bonded = links%table(body_of(links, i), body_of(links, j))%law == law_bonded .and. &
                     links%bond(i) == tie_intact .and. links%bond(j) == tie_intact
     end function is_bonded
+
+    !> Body of a particle.
+    pure integer function body_of(links, i)
+        type(links_t), intent(in) :: links
+        integer, intent(in) :: i
+
+        body_of = owner_of(links%lay%bodies, links%ends, i)
+    end function body_of
 
     !> Which interfaces still hold each particle; where there are none, marks that mean nothing.
     function joined_of(links) result(joined)

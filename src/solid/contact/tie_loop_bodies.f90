@@ -36,16 +36,16 @@ contains
         type(interaction_t), intent(in) :: table(lay%bodies, *)
         integer(int32), intent(in) :: row(*), slice(*), count(*), list(*)
         integer(int32), intent(inout) :: mark(*) !! 1: it has
-        integer :: a, i, k, n, r
+        integer :: a, b, i, k, n, r
         integer(int64) :: at
 
         i = first - 1 + p
         call links_of(lay, i, row, slice, count, r, n, at)
         if (r == 0) return
-        a = owner_of(ends, i)
+        a = owner_of(lay%bodies, ends, i)
         do k = 0, n - 1
-            if (joins(table(a, owner_of(ends, iand(list(at + k*lay%side), mask_unit - 1))), &
-                      .true.)) then
+            b = owner_of(lay%bodies, ends, iand(list(at + k*lay%side), mask_unit - 1))
+            if (joins(table(a, b), .true.)) then
                 mark(i) = 1
                 return
             end if
@@ -69,10 +69,10 @@ contains
         call links_of(lay, i, row, slice, count, r, n, at)
         if (r == 0) return
         loose(r) = 0
-        a = owner_of(ends, i)
+        a = owner_of(lay%bodies, ends, i)
         do k = 0, n - 1
             j = iand(list(at + k*lay%side), mask_unit - 1)
-            b = owner_of(ends, j)
+            b = owner_of(lay%bodies, ends, j)
             if (table(a, b)%law == law_shared .or. .not. &
                 is_tied(table(a, b), bond(i), bond(j), joined(i), joined(j))) loose(r) = n
         end do
