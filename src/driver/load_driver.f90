@@ -8,7 +8,7 @@ module brz_load_driver
                                for_each_place_particle, for_each_sum_load
     use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp
-    use brz_lists, only: clear_list
+    use brz_lists, only: clear_list, clear_reals
     use brz_load_part, only: tell_carriers
     use brz_ranks, only: several
     use brz_bodies, only: bodies_t
@@ -33,8 +33,11 @@ contains
         if (solid%loads%rebuilds /= solid%rebuilds) call place_all(solid, err) ! lists were sorted
         solid%loads%rebuilds = int(solid%rebuilds)
         a = pushes(solid%loads, size(solid%bodies), solid%time, dt)
+        call clear_reals(solid%on_gpu, merge(3*solid%stride_d, size(solid%load), solid%on_gpu), &
+            solid%load, err)
         do b = 1, size(solid%bodies)
             associate (there => solid%bodies(b))
+                if (.not. any(abs(a(:, b)) > 0)) cycle
                 call for_each_begin_load(solid%on_gpu, there%last - there%first + 1, there%first, &
                     solid%stride_d, solid%stride_p, a(1, b), a(2, b), a(3, b), solid%mass, &
                     solid%fixed, solid%load, err)

@@ -62,23 +62,23 @@ contains
         class(listed_bodies_t), intent(inout) :: solid !! links%stale is set
         integer, intent(in) :: level(:) !! (bodies) highest level of a particle
         logical, intent(out) :: stale(:) !! (bodies)
-        logical, intent(out) :: relink
+        logical, intent(out) :: relink !! else links%stale means nothing
         integer :: a, b
 
         stale = level >= skin_levels
         relink = .false.
         if (solid%links%present) then
             do b = 1, size(solid%bodies)
-                do a = 1, b
-                    if (solid%links%table(a, b)%law == law_none) cycle
+                do a = 1, b ! the table of laws is large: it is asked last
                     if (lasts(solid, level, a, b)) cycle
+                    if (solid%links%table(a, b)%law == law_none) cycle
                     relink = .true.
                     if (level(a) >= renewed_level) stale(a) = .true.
                     if (level(b) >= renewed_level) stale(b) = .true.
                 end do
             end do
             relink = relink .or. any(stale)
-            do b = 1, size(solid%bodies)
+            do b = 1, merge(size(solid%bodies), 0, relink)
                 do a = 1, size(solid%bodies)
                     solid%links%stale(a, b) = beyond(solid, a, b) > solid%skin/4
                 end do
@@ -105,8 +105,9 @@ contains
         class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: a, b
 
-        beyond = norm2(solid%bodies(a)%drift - solid%bodies(b)%drift - solid%links%drift(:, a, b)) &
-                 - solid%links%spare(a, b)
+        associate (x => solid%bodies(a)%drift - solid%bodies(b)%drift - solid%links%drift(:, a, b))
+            beyond = sqrt(x(1)*x(1) + x(2)*x(2) + x(3)*x(3)) - solid%links%spare(a, b)
+        end associate
     end function beyond
 
     !> Body b is about to get a list for the places of today. Where particles leave the scene it

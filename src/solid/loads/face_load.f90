@@ -91,8 +91,11 @@ contains
         arrival = huge(arrival)
         if (.not. allocated(loads%of)) return
         do k = 1, size(loads%of)
-            arrival = min(arrival, arrival_of(loads, k))
+            if (.not. loads%of(k)%blast) arrival = min(arrival, arrival_of(loads, k))
         end do
+        associate (wave => loads%segments%wave) ! of all blasts at once
+            if (any(loads%of%blast)) arrival = min(arrival, minval(wave(1, :), wave(2, :) > 0))
+        end associate
     end function first_arrival
 
     pure real(dp) function mean_of(history, time, dt) result(mean)
