@@ -42,11 +42,11 @@ from cuda_fortran import (
 # there three; concrete such a cosine and six numbers
 STACK = {
     "update_by_hjc": 88,
-    "update_by_orthotropic_ply": 64,
+    "update_by_orthotropic_ply": 112,
     "faces_muscl_hllc": 8,
     "faces_weno3_split": 48,
     "solid_rows": 40,
-    "solid_forces_wall": 64,
+    "solid_forces_wall": 72,
     "solid_forces_plate": 24,
     "solid_bond_moments": 56,
     "each_pull_links": 64,

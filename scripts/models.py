@@ -201,7 +201,6 @@ def kernels(models):
     lines += [
         "    use brz_gpu_solid_layout, only: body_gpu_t",
         "    use brz_kinds, only: dp, int32, rk",
-        "    use brz_material, only: material_t",
         "    use brz_solid_material_kernels, only: advance_point",
         "    implicit none",
         "    private",
@@ -212,20 +211,20 @@ def kernels(models):
     for x, slots in ((m.name, m.slots) for m in models):
         lines += [
             "",
-            f"    attributes(global) subroutine update_by_{x}(n, dt, body, material, grad, &",
-            "        state, tag, book, flags)",
+            f"    attributes(global) subroutine update_by_{x}(n, dt, tiles, bodies, grad, state, &",
+            "        tag, diag, flags)",
             "        integer, value :: n",
             "        real(rk), value :: dt !! [s]",
-            "        type(body_gpu_t), device, intent(in) :: body",
-            "        type(material_t), device, intent(in) :: material",
+            "        integer, device, intent(in) :: tiles(2, *)",
+            "        type(body_gpu_t), device, intent(in) :: bodies(*)",
             "        real(rk), device, intent(in) :: grad(n, 9)",
             "        real(rk), device, intent(inout) :: state(n, *)",
             "        integer(int32), device, intent(inout) :: tag(n, *)",
-            "        real(dp), device, intent(inout) :: book(n, *)",
+            "        real(dp), device, intent(inout) :: diag(n, *)",
             "        integer, device, intent(inout) :: flags(*)",
             "",
-            f"        call advance_point({x}, {slots}, n, dt, body, material, grad, state, &",
-            "            tag, book, flags)",
+            f"        call advance_point({x}, {slots}, n, dt, tiles, bodies, grad, state, &",
+            "            tag, diag, flags)",
             f"    end subroutine update_by_{x}",
         ]
     return lines

@@ -53,7 +53,7 @@ OTHERS = ("Makefile", "*.mk", "*.sh", "*.c", "*.ll", "*.html", "*.js", "*.css")
 ALONE = {"cpu": "air_activity air_lines air_riemann air_split air_sweep coupling_paper"}
 ALONE["cpu"] += " solid_artificial solid_gradient_sums solid_lanes solid_pair_sums solid_tilts"
 ALONE["gpu"] = "common peers solid_bodies solid_copy solid_layout solid_lists"
-ALONE["gpu"] += " solid_load"
+ALONE["gpu"] += " solid_load solid_tiles"
 # a field of a layer concerns all that use it, so those who need less of the state take less
 USERS = {"solid_state": 59, "interacting_bodies": 59, "listed_bodies": 69, "bodies": 79}
 LICENCE = "SPDX-License-Identifier: MIT"

@@ -23,6 +23,7 @@ module brz_device
     use brz_timer, only: wall_seconds
     implicit none
     private
+    public :: threads_per_block
     public :: device_t, buffer_t, kernel_t, arguments_t, open_device, measure_memory, load_kernels
     public :: find_kernel, find_once, launch, side_by_side, wait_for_device, check
     public :: allocate_buffer, put_buffer, reserve_buffer, free_buffer, free_all

@@ -8,7 +8,7 @@ module brz_host_calls
     use brz_timer, only: wall_seconds
     implicit none
     private
-    public :: counting, count_calls, enter_part, record_call, print_calls
+    public :: counting, calls_so_far, count_calls, enter_part, record_call, print_calls
     public :: to_launch, to_copy, to_read, to_wait, to_reserve
 
     ! kinds of calls
@@ -80,6 +80,13 @@ contains
             part%inside(kind) = part%inside(kind) + (wall_seconds() - began)
         end associate
     end subroutine record_call
+
+    !> Calls of a kind since they are counted.
+    pure integer(int64) function calls_so_far(kind)
+        integer, intent(in) :: kind
+
+        calls_so_far = sum(parts%calls(kind))
+    end function calls_so_far
 
     !> A table for each process; all must call, with the same parts.
     subroutine print_calls(unit, ranks)

@@ -2,13 +2,14 @@
 !> Each body on the GPU: its parameters, its material, and the kernels that suit them.
 module brz_gpu_solid_bodies
     use brz_body, only: body_t
-    use brz_device, only: allocate_buffer, find_kernel, put_buffer
+    use brz_device, only: allocate_buffer, copy_in, find_kernel, put_buffer
     use brz_errors, only: error_t, exit_device, raise
     use brz_formulation_names, only: artificial_none, form_bending, form_corrected_hourglass, &
         form_rigid, form_total
     use brz_gradient, only: limiter_slope
     use brz_gpu_solid_layout, only: body_gpu_t, slice_width
     use brz_gpu_solid_state, only: bytes_of_real
+    use brz_gpu_solid_tiles, only: find_kinds
     use brz_solid_device, only: columns_t, body_device_t, solid_device_t
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: int64, rk
@@ -47,13 +48,27 @@ contains
         class(bodies_t), intent(in) :: solid
         type(solid_device_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
+        type(body_gpu_t) :: params
         integer :: b
 
         call put_axes(solid, gpu, err)
+        call allocate_buffer(gpu%params, size(solid%bodies)*bytes_of(params), err)
         do b = 1, size(solid%bodies)
+            associate (part => gpu%bodies(b)%params)
+                part%bytes = bytes_of(params)
+                part%address = gpu%params%address + (b - 1)*part%bytes
+            end associate
             call open_body(solid, b, gpu%column, gpu%bodies(b), err)
         end do
+        call find_kinds(gpu)
     end subroutine open_gpu_bodies
+
+    !> Bytes of a structure in an array.
+    pure integer(int64) function bytes_of(x)
+        class(*), intent(in) :: x
+
+        bytes_of = storage_size(x)/8
+    end function bytes_of
 
     !> Axes of the plies of all bodies, one after the other.
     subroutine put_axes(solid, gpu, err)
@@ -100,7 +115,7 @@ contains
         material = solid%materials(solid%bodies(b)%material)
         params = params_of(solid%bodies(b), solid, axes_before(solid, b))
         params%rules = rules_of(solid%bodies(b), material)
-        params%fails = material%fails
+        params%material = material
         params%springs = merge(1, 0, material%class == class_elastic)
         params%control_due = column%control_due
         params%reaction_force = column%reaction_force
@@ -115,11 +130,7 @@ contains
         gpu%rigid = params%formulation == form_rigid
         gpu%in_tension = params%tensile_control > 0
         gpu%layer = params%layer > 0
-        gpu%reach = solid%bodies(b)%face_share*real(solid%bodies(b)%spacing, rk)
-        gpu%density = material%density
-        gpu%tilted = gpu%total .and. any(params%normal > 0)
-        call put_buffer(params, gpu%params, storage_size(params)/8_int64, err)
-        call put_buffer(material, gpu%material, storage_size(material)/8_int64, err)
+        call copy_in(params, gpu%params, bytes_of(params), err)
         call allocate_buffer(gpu%slice, 4_int64*(gpu%slices + 1), err)
         call find_kernel('solid_moments_'//moment_name(params), gpu%moments, err)
         call find_kernel_of(int(material%model), name, slots)
@@ -150,6 +161,7 @@ contains
         p%middle = body%round%centre
         p%width = real(1/body%stretch, rk)
         p%layer_of_ply = merge(1, 0, body%layer_of_ply)
+        p%reach = body%face_share*real(body%spacing, rk)
     end function params_of
 
     !> Which sums of pass 1 a body needs, as the kernels are named.

@@ -5,13 +5,13 @@ module brz_gpu_solid_gradients
     use brz_device, only: clear_buffer, copy_within, reserve_buffer, side_by_side
     use brz_errors, only: error_t
     use brz_gpu_solid_contact, only: add_bond_moments
-    use brz_gpu_solid_state, only: tags_of, threads_of, words_of_real
-    use brz_solid_device, only: body_device_t, solid_device_t
+    use brz_gpu_solid_state, only: tags_of, words_of_real
+    use brz_gpu_solid_tiles, only: lay_tiles, threads_of_kind, tiles_of
+    use brz_solid_device, only: body_kind_t, solid_device_t
     use brz_gpu_solid_layout, only: tag_unsupported
     use brz_kinds, only: dp, int64, rk
     use brz_motion_launches, only: motion_kernels
     use brz_rigid_pose, only: resting_pose
-    use brz_row_launches, only: row_kernels
     use brz_solid_launches, only: launch_advance_point, launch_solid_moments, solid_kernels
     use brz_bodies, only: bodies_t
     use brz_listed_bodies, only: listed_bodies_t
@@ -31,35 +31,32 @@ contains
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
         logical, intent(in), optional :: of_sleepers
-        integer :: b
+        integer :: b, k
 
         if (.not. dt > 0) &
             call copy_within(tags_of(gpu, tag_unsupported), gpu%picked, 4_int64*gpu%n, err)
+        call lay_tiles(gpu, err, of_sleepers)
         call pack_places(gpu, err)
-        do b = 1, size(gpu%bodies)
-            if (gpu%bodies(b)%rigid) cycle
-            if (gpu%bodies(b)%inactive .neqv. present(of_sleepers)) cycle
-            call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
-            call sum_moments(gpu, gpu%bodies(b), err)
+        do k = 1, size(gpu%kinds)
+            call side_by_side(merge(k, 0, size(gpu%kinds) > 1))
+            call sum_moments(gpu, gpu%kinds(k), err)
         end do
         call side_by_side(0)
         call add_bond_moments(gpu, err)
         do b = 1, size(gpu%bodies)
-            if (gpu%bodies(b)%inactive .neqv. present(of_sleepers)) cycle
-            if (gpu%bodies(b)%rigid) then
-                call side_by_side(0)
+            if (gpu%bodies(b)%rigid .and. (gpu%bodies(b)%inactive .eqv. present(of_sleepers))) &
                 call fill_rigid(gpu, solid, b, err)
-                cycle
-            end if
-            call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
-            call find_gradients(gpu, gpu%bodies(b), real(dt, rk), err)
+        end do
+        do k = 1, size(gpu%kinds)
+            call side_by_side(merge(k, 0, size(gpu%kinds) > 1))
+            call find_gradients(gpu, gpu%kinds(k), real(dt, rk), err)
             if (dt > 0) then
-                call free_faces(gpu, gpu%bodies(b), real(dt/2, rk), err)
-                call update_material(gpu, gpu%bodies(b), real(dt, rk), err)
-                call free_faces(gpu, gpu%bodies(b), real(dt/2, rk), err)
+                call free_faces(gpu, gpu%kinds(k), real(dt/2, rk), err)
+                call update_material(gpu, gpu%kinds(k), real(dt, rk), err)
+                call free_faces(gpu, gpu%kinds(k), real(dt/2, rk), err)
             end if
-            if (solid%links%faces) call move_faces(gpu, gpu%bodies(b), real(dt, rk), err)
-            call fill_rows(gpu, gpu%bodies(b), real(dt, rk), err)
+            if (solid%links%faces) call move_faces(gpu, gpu%kinds(k), real(dt, rk), err)
+            call fill_rows(gpu, gpu%kinds(k), real(dt, rk), err)
         end do
         call side_by_side(0)
         if (.not. dt > 0) &
@@ -129,81 +126,91 @@ contains
         end subroutine pack
     end subroutine pack_places
 
-    subroutine sum_moments(gpu, body, err)
+    subroutine sum_moments(gpu, kind, err)
         type(solid_device_t), intent(in) :: gpu
-        type(body_device_t), intent(in) :: body
+        type(body_kind_t), intent(in) :: kind
         type(error_t), intent(inout) :: err
         type(doubles_t) :: place, other
         type(reals_t) :: near, far
 
+        if (kind%tiles == 0) return
         place = gpu%place
         other = gpu%reference
         near = gpu%near
         far = gpu%far
-        if (body%total) then ! pairs are weighed by X_ij, and the sums lead to dx/dX
+        ! total-Lagrangian: pairs are weighed by X_ij, and the sums lead to dx/dX
+        if (gpu%bodies(kind%like)%total) then
             place = gpu%reference
             other = gpu%place
             near = gpu%far
             far = gpu%near
         end if
-        call launch_solid_moments(body%moments, threads_of(body), gpu%stride_d, body%params, &
-            place, other, near, far, gpu%motion, body%slice, gpu%count, body%list, gpu%row, &
-            gpu%grad, gpu%state, gpu%tag, gpu%k_axes, gpu%control, gpu%acting, body%pairs, err)
+        call launch_solid_moments(gpu%bodies(kind%like)%moments, threads_of_kind(kind), &
+            gpu%stride_d, tiles_of(gpu, kind), gpu%params, gpu%offsets, place, other, near, far, &
+            gpu%motion, gpu%count, gpu%count, gpu%count, gpu%row, gpu%grad, gpu%state, gpu%tag, &
+            gpu%k_axes, gpu%control, gpu%acting, gpu%count, err)
     end subroutine sum_moments
 
-    subroutine find_gradients(gpu, body, dt, err)
+    subroutine find_gradients(gpu, kind, dt, err)
         type(solid_device_t), intent(in) :: gpu
-        type(body_device_t), intent(in) :: body
+        type(body_kind_t), intent(in) :: kind
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         type(error_t), intent(inout) :: err
 
-        call solid_kernels%solid_gradients(threads_of(body), gpu%stride_d, body%params, gpu%row, &
-            gpu%grad, gpu%tag, gpu%k_axes, gpu%control, gpu%state, dt, err)
+        if (kind%tiles == 0) return
+        call solid_kernels%solid_gradients(threads_of_kind(kind), gpu%stride_d, &
+            tiles_of(gpu, kind), gpu%params, gpu%row, gpu%grad, gpu%tag, gpu%k_axes, gpu%control, &
+            gpu%state, dt, err)
     end subroutine find_gradients
 
-    !> A single layer: take out of the energy what the stress does on its faces.
-    subroutine free_faces(gpu, body, time, err)
+    !> Single layers: take out of the energy what the stress does on their faces.
+    subroutine free_faces(gpu, kind, time, err)
         type(solid_device_t), intent(in) :: gpu
-        type(body_device_t), intent(in) :: body
+        type(body_kind_t), intent(in) :: kind
         real(rk), intent(in) :: time !! [s]
         type(error_t), intent(inout) :: err
 
-        if (body%layer) call row_kernels%free_face(body%last - body%gone - body%first + 1, &
-            body%first, gpu%stride_d, 4, time, gpu%row, gpu%grad, gpu%stress, gpu%volume, &
+        if (kind%tiles == 0 .or. .not. gpu%bodies(kind%like)%layer) return
+        call solid_kernels%solid_free_faces(threads_of_kind(kind), gpu%stride_d, &
+            tiles_of(gpu, kind), gpu%params, time, gpu%row, gpu%grad, gpu%stress, gpu%motion, &
             gpu%mass, gpu%energy, err)
     end subroutine free_faces
 
-    subroutine update_material(gpu, body, dt, err)
+    subroutine update_material(gpu, kind, dt, err)
         type(solid_device_t), intent(in) :: gpu
-        type(body_device_t), intent(in) :: body
+        type(body_kind_t), intent(in) :: kind
         real(rk), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
 
-        call launch_advance_point(body%update, threads_of(body), gpu%stride_d, dt, body%params, &
-            body%material, gpu%grad, gpu%state, gpu%tag, gpu%diag, gpu%flags, err)
+        if (kind%tiles == 0) return
+        call launch_advance_point(gpu%bodies(kind%like)%update, threads_of_kind(kind), &
+            gpu%stride_d, dt, tiles_of(gpu, kind), gpu%params, gpu%grad, gpu%state, &
+            gpu%tag, gpu%diag, gpu%flags, err)
     end subroutine update_material
 
     !> Strain the half layers at the faces of particles that may touch others.
-    subroutine move_faces(gpu, body, dt, err)
+    subroutine move_faces(gpu, kind, dt, err)
         type(solid_device_t), intent(in) :: gpu
-        type(body_device_t), intent(in) :: body
+        type(body_kind_t), intent(in) :: kind
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         type(error_t), intent(inout) :: err
 
-        call row_kernels%move_face(body%last - body%gone - body%first + 1, &
-            body%first, gpu%stride_d, 4, merge(1, 0, body%total), merge(1, 0, body%tilted), dt, &
-            body%density, body%reach, gpu%links%count, tags_of(gpu, tag_unsupported), gpu%row, &
-            gpu%grad, gpu%mu, gpu%volume, gpu%mass, gpu%links%face, gpu%links%press, err)
+        if (kind%tiles == 0) return
+        call solid_kernels%solid_move_faces(threads_of_kind(kind), gpu%stride_d, &
+            tiles_of(gpu, kind), gpu%params, dt, gpu%links%count, gpu%tag, &
+            gpu%row, gpu%grad, gpu%mu, gpu%motion, gpu%mass, gpu%links%face, gpu%links%press, err)
     end subroutine move_faces
 
-    subroutine fill_rows(gpu, body, dt, err)
+    subroutine fill_rows(gpu, kind, dt, err)
         type(solid_device_t), intent(in) :: gpu
-        type(body_device_t), intent(in) :: body
+        type(body_kind_t), intent(in) :: kind
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         type(error_t), intent(inout) :: err
 
-        call solid_kernels%solid_rows(threads_of(body), gpu%stride_d, dt, body%params, &
-            body%material, gpu%place, gpu%grad, gpu%state, gpu%tag, gpu%motion, gpu%row, gpu%rate, &
-            gpu%axes, gpu%k_axes, gpu%control, gpu%diag, gpu%flags, err)
+        if (kind%tiles == 0) return
+        call solid_kernels%solid_rows(threads_of_kind(kind), gpu%stride_d, dt, &
+            tiles_of(gpu, kind), gpu%params, gpu%place, gpu%grad, gpu%state, &
+            gpu%tag, gpu%motion, gpu%row, gpu%rate, gpu%axes, gpu%k_axes, gpu%control, gpu%diag, &
+            gpu%flags, err)
     end subroutine fill_rows
 end module brz_gpu_solid_gradients

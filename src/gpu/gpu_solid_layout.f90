@@ -17,15 +17,16 @@
 module brz_gpu_solid_layout
     use brz_body_numbers, only: body_numbers_t
     use brz_force_layout, only: at_drag, at_friction, at_heat, at_stiff, at_work, n_terms
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: mask_unit, slice_width
+    use brz_material, only: material_t
     use brz_row_loop_bodies, only: row_rules_t
     use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, at_wave, n_linked_tag, n_tag, tag_bond, tag_face, tag_unsupported, tag_fault, &
         tag_fixed, tag_id, tag_joined, tag_ply, tag_support, tag_touch, tag_weight
     implicit none
     private
-    public :: body_gpu_t, grid_gpu_t
+    public :: body_gpu_t, grid_gpu_t, list_offsets_t
     public :: at_mu, at_energy, at_stress, at_damage, at_wave, at_bulk, at_mass, at_accel, at_hist
     public :: tag_id, tag_ply, tag_support, tag_fixed, tag_unsupported, tag_fault, &
               tag_bond, tag_joined, tag_touch, tag_weight, tag_face, n_tag, n_linked_tag
@@ -70,8 +71,8 @@ module brz_gpu_solid_layout
     type, extends(body_numbers_t) :: body_gpu_t
         integer :: dimension
         type(row_rules_t) :: rules
+        type(material_t) :: material
         integer :: directional !! 1: yes
-        integer :: fails !! how the material may fail
         integer :: axes !! place before the axes of ply 0 among those of all bodies
         integer :: variable !! 1: the smoothing length follows the density
         integer :: springs !! 1: back from any expansion
@@ -89,7 +90,14 @@ module brz_gpu_solid_layout
         real(dp) :: middle(3) !! on the axis of such a wall [m]
         real(rk) :: width(3) !! of the lattice, see brz_wide_lattice
         integer :: layer_of_ply !! 1: yes
+        real(rk) :: reach !! of faces in contact, see strain_face [m]
     end type body_gpu_t
+
+    !> Where the lists of a body lie: numbers of 4 B behind the array that a launch is given, so
+    !> that one launch reaches the lists of many bodies.
+    type :: list_offsets_t
+        integer(int64) :: slice = 0, list = 0, pairs = 0
+    end type list_offsets_t
 
     !> Cells over one body.
     type :: grid_gpu_t

@@ -8,15 +8,40 @@ module brz_gpu_solid_motion
     use brz_solid_device, only: solid_device_t
     use brz_gpu_solid_diagnostics, only: add_held_impulse
     use brz_intact_share, only: intact_share
-    use brz_kinds, only: dp
+    use brz_gpu_solid_tiles, only: lay_tiles, threads_of_kinds
+    use brz_kinds, only: dp, rk
+    use brz_lists, only: put_changed => put_changed_table
     use brz_motion_launches, only: motion_kernels
     use brz_solid_launches, only: solid_kernels
     use brz_bodies, only: bodies_t
     implicit none
     private
-    public :: record_first_half, size_particles, end_support
+    public :: drift_tiles, record_first_half, size_particles, end_support
 
 contains
+
+    !> Kick and drift of all bodies that are active and not rigid, in one launch.
+    subroutine drift_tiles(gpu, solid, dt, unit, err)
+        type(solid_device_t), intent(inout) :: gpu
+        class(bodies_t), intent(in) :: solid
+        real(dp), intent(in) :: dt !! [s]
+        real(dp), intent(in) :: unit(:) !! (bodies) of levels of motion [m]
+        type(error_t), intent(inout) :: err
+        real(dp) :: drifts(4, size(unit))
+        integer :: b, threads(3)
+
+        do b = 1, size(unit)
+            drifts(:, b) = [solid%bodies(b)%drift, unit(b)]
+        end do
+        call put_changed(transfer(drifts, [0]), gpu%drifts_there, gpu%drifts, err)
+        call lay_tiles(gpu, err)
+        threads = threads_of_kinds(gpu%kinds)
+        if (threads(1) == 0) return
+        call solid_kernels%solid_drift(threads, gpu%stride_d, gpu%tiles, gpu%params, gpu%drifts, &
+            real((solid%dt_last + dt)/2, rk), dt, merge(1, 0, gpu%column%load > 0), gpu%a, &
+            gpu%load, gpu%mass, gpu%fixed, gpu%built, gpu%place, gpu%motion, gpu%work, gpu%moved, &
+            err)
+    end subroutine drift_tiles
 
     !> What driven bodies take up in the first half step.
     subroutine record_first_half(gpu, solid, dt, err)

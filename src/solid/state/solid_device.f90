@@ -12,7 +12,7 @@ module brz_solid_device
     use brz_rows, only: rows_t
     implicit none
     private
-    public :: solid_device_t, body_device_t, links_device_t, columns_t, lists_t
+    public :: solid_device_t, body_device_t, body_kind_t, links_device_t, columns_t, lists_t
     public :: news_none, news_part, news_all
 
     ! what of a list is new: nothing; near marked cells, and in them; all
@@ -36,13 +36,10 @@ module brz_solid_device
         logical :: rigid = .false.
         logical :: in_tension = .false. !! has the tensile control
         logical :: layer = .false. !! a single layer, see brz_membrane
-        real(rk) :: reach = 0 !! of faces in contact, see strain_face [m]
-        real(rk) :: density = 0 !! unloaded [kg/m3]
-        logical :: tilted = .false. !! total-Lagrangian, with gradients by tilted arms
         logical :: inactive = .false. !! left out of the steps
         logical :: packed = .false. !! `far` has the reference of its particles
         real(dp) :: box(3, 2) = 0 !! corners of `built` [m]
-        type(buffer_t) :: params, material
+        type(buffer_t) :: params !! its part of `params` of solid_device_t
         type(integers_t) :: pairs !! those of its list that act, see solid_moments
         type(buffer_t) :: grid !! cells of its list, and of the search for links with it
         type(integers_t) :: code, start !! of these, see grid_gpu_t; end of each cell in `order`
@@ -53,6 +50,12 @@ module brz_solid_device
         integer :: news = news_all !! what of its list is new since links were built
         type(kernel_t) :: moments, update, forces !! those that suit the body
     end type body_device_t
+
+    !> Bodies that the same kernels suit, which go in one launch, see brz_gpu_solid_tiles.
+    type :: body_kind_t
+        integer :: like = 0 !! a body of the kind
+        integer :: first = 1, tiles = 0 !! its part of `tiles`: where it begins, how many
+    end type body_kind_t
 
     !> Pairs of particles of different bodies, arrays of links_t.
     type, extends(lists_t) :: links_device_t
@@ -92,6 +95,14 @@ module brz_solid_device
         integer :: n = 0, n_state = 0 !! places of particles, columns of `state`
         type(columns_t) :: column
         type(body_device_t), allocatable :: bodies(:)
+        type(buffer_t) :: params !! of all bodies, body_gpu_t
+        type(buffer_t) :: offsets !! (bodies) list_offsets_t
+        type(integers_t) :: tiles !! (2, tiles) body, particles of it before the tile
+        type(body_kind_t), allocatable :: kinds(:)
+        integer, allocatable :: kind_of(:) !! (bodies) 0: rigid, in no launch over kinds
+        type(doubles_t) :: drifts !! (4, bodies) drift, unit of levels of motion [m]
+        integer, allocatable :: tiles_there(:), offsets_there(:), drifts_there(:)
+        !! what the GPU has: particles of each body with tiles; words of `offsets`, `drifts`
         type(energy_account_t), allocatable :: account(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
         type(doubles_t) :: sorted !! positions that lists are built for, cell by cell: order_cells
