@@ -1,13 +1,15 @@
 ! SPDX-License-Identifier: MIT
-!> The particles that a gauge in a body follows, and where they lie.
+!> The particles that a gauge in a body follows, and where they lie: the nearest one, or those of
+!> a box.
 module brz_gauge_places
     use brz_kinds, only: dp
+    use brz_particle_order, only: find_place
     use brz_ranks, only: bits_of_all, least_of_all, several
     use brz_bodies, only: bodies_t
     use brz_wide_lattice, only: unloaded_place
     implicit none
     private
-    public :: choose_particle, strain_between
+    public :: choose_particle, choose_particles, find_places, strain_between
 
 contains
 
@@ -38,6 +40,75 @@ contains
         call least_of_all(solid%ranks, number)
         particle = nint(number(1))
     end subroutine choose_particle
+
+    !> The particles whose cells lie in a box about a place in the unloaded body, by their numbers,
+    !> and the share of each cell that does. Along an axis the box is a cell wide or wider, so a
+    !> small one weighs the particles around the place. Without any width the nearest particle.
+    subroutine choose_particles(solid, body, at, width, axes, particle, share)
+        class(bodies_t), intent(in) :: solid
+        integer, intent(in) :: body
+        real(dp), intent(in) :: at(3), width(3) !! in the unloaded body [m]
+        integer, intent(in) :: axes !! that are modelled
+        integer, allocatable, intent(out) :: particle(:)
+        real(dp), allocatable, intent(out) :: share(:)
+        real(dp), allocatable :: inside(:)
+        real(dp) :: cell(3)
+        integer :: i, k, place
+
+        allocate (particle(1), share(1))
+        share = 1
+        call choose_particle(solid, body, at, particle(1), place)
+        if (.not. any(width > 0)) return
+        associate (of => solid%bodies(body))
+            cell = of%spacing/of%stretch
+            allocate (inside(of%number(1):of%number(2)), source=0.0_dp)
+            do i = of%first, of%last
+                inside(solid%id(i)) = product(overlap(unloaded_place(solid, body, i) - at), &
+                                                      mask=[1, 2, 3] <= axes)
+            end do
+            if (several(solid%ranks)) call bits_of_all(solid%ranks, inside)
+            if (.not. any(inside > 0)) return
+            particle = pack([(k, k=of%number(1), of%number(2))], inside > 0)
+            share = pack(inside, inside > 0)
+        end associate
+
+    contains
+
+        !> Share of a cell that lies in the box, by the distance of their middles along each axis.
+        pure function overlap(apart)
+            real(dp), intent(in) :: apart(3) !! [m]
+            real(dp) :: overlap(3)
+
+            overlap = min(max((max(width, cell) + cell)/2 - abs(apart), 0.0_dp), cell)/cell
+        end function overlap
+    end subroutine choose_particles
+
+    !> Look particles up again if they have been moved by sorting; place 0: another process has it.
+    pure subroutine find_places(solid, body, particle, place)
+        class(bodies_t), intent(in) :: solid
+        integer, intent(in) :: body, particle(:)
+        integer, intent(inout) :: place(:)
+        integer, allocatable :: table(:)
+        integer :: i, k
+
+        if (size(particle) <= 2) then
+            do k = 1, size(particle)
+                call find_place(solid, body, particle(k), place(k))
+            end do
+            return
+        end if
+        associate (first => solid%bodies(body)%first, last => solid%bodies(body)%last)
+            if (all(place >= first .and. place <= last)) then
+                if (all(solid%id(place) == particle)) return
+            end if
+            allocate (table(minval(particle):maxval(particle)), source=0)
+            do i = first, last
+                if (solid%id(i) >= lbound(table, 1) .and. solid%id(i) <= ubound(table, 1)) &
+                    table(solid%id(i)) = i
+            end do
+        end associate
+        place = table(particle)
+    end subroutine find_places
 
     !> Strain between two particles: change of their distance over that in the unloaded body. Each
     !> is known to one process (place 0: another one's), the strain to all, by the same bits.

@@ -2,18 +2,19 @@
 !> Gauges: the history of one quantity at one point of the air, of one particle of a body, or of a
 !> whole body.
 !>
-!> A gauge of a body follows the particle that is nearest to its point in the unloaded body, by
-!> the particle's number, as the solver sorts the particles anew during a run.
+!> A gauge of a body follows the particle that is nearest to its point in the unloaded body, or the
+!> particles in a box about it, by their numbers, as the solver sorts them anew during a run.
 !> A quantity is a row of brz_gauge_quantities: a place in what is known of the gas at a point of
 !> the air (`value_of_gas`), or in a source of a particle (`value_of_particle`).
 module brz_gauges
-    use brz_air_probe, only: gas_state_at, has_point
+    use brz_air_probe, only: gas_state_at, has_point, sees_gas
     use brz_air_state, only: air_t, wall_t
     use brz_case, only: case_t, gauge_case_t, label, name_len
-    use brz_check_start, only: is_radial
+    use brz_gauge_box, only: points_of_gauge
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_formulation_names, only: form_rigid
-    use brz_gauge_places, only: choose_particle, strain_between
+    use brz_gauge_places, only: choose_particle, choose_particles, find_places, strain_between
+    use brz_gauge_samples, only: add_sample, means_of, samples_t
     use brz_gauge_quantities, only: find_quantity, from_impulse, is_motion, is_of_body, &
         of_displacement, of_history, of_state, of_strain, of_stress, of_velocity, quantities, &
         quantity_t
@@ -22,8 +23,7 @@ module brz_gauges
     use brz_material, only: n_hist
     use brz_materials, only: history_names
     use brz_particle_marks, only: is_free
-    use brz_particle_order, only: find_place
-    use brz_ranks, only: bits_of_all, several, sum_of_all
+    use brz_ranks, only: several, sum_of_all
     use brz_force_driver, only: n_forces
     use brz_bodies, only: bodies_t
     use brz_interacting_bodies, only: interacting_bodies_t
@@ -44,8 +44,10 @@ module brz_gauges
         integer :: body = 0 !! 0: the air
         integer :: with = 0 !! what this other body does to it; 0: whatever acts on it
         real(dp) :: force(n_forces) = 0 !! on the whole body, where it asks for one of them
-        integer :: particle(2) = 0 !! numbers of its particles; the second one of a strain alone
-        integer :: place(2) = 0 !! where those particles were found last
+        real(dp), allocatable :: points(:, :) !! (3, n) where it looks in the air [m]
+        integer, allocatable :: particle(:) !! numbers of the particles that it follows
+        integer, allocatable :: place(:) !! where those were found last
+        real(dp), allocatable :: weight(:) !! of each in the mean; of a strain: both ends
         integer :: pair = 0 !! place among those of solid%between
         integer :: region = 0 !! motion of the body on which the force is; 0: all that holds it
         integer :: slot = 0 !! in the history of the material
@@ -55,7 +57,6 @@ module brz_gauges
         integer :: n = 0
         type(gauge_t), allocatable :: list(:) !! (n)
         real(dp) :: rest = 0 !! pressure of the undisturbed air [Pa]
-        logical :: active(3) = .true. !! directions in which the air is modelled
         real(dp) :: charge_mass = 0 !! of the charge if there is just one, else 0 [kg]
         real(dp) :: charge_at(3) = 0 !! its centre [m]
     end type gauges_t
@@ -71,7 +72,6 @@ contains
         integer :: g
 
         gauges%rest = case%air%pressure
-        gauges%active = case%air%cells > 1 .or. is_radial(case)
         if (allocated(case%charges)) then
             if (size(case%charges) == 1) then
                 gauges%charge_mass = case%charges(1)%mass
@@ -82,7 +82,7 @@ contains
         if (allocated(case%gauges)) gauges%n = size(case%gauges)
         allocate (gauges%list(gauges%n))
         do g = 1, gauges%n
-            call set_up_gauge(case%gauges(g), case%air%present, solid, gauges%list(g), err)
+            call set_up_gauge(case, case%gauges(g), solid, gauges%list(g), err)
             if (failed(err)) return
         end do
     end subroutine set_up_gauges
@@ -90,17 +90,25 @@ contains
     !> Places of the gauges in the air.
     pure function gauge_points(gauges) result(points)
         type(gauges_t), intent(in) :: gauges
-        real(dp) :: points(3, count(gauges%list%body == 0)) !! [m]
-        integer :: d
+        real(dp), allocatable :: points(:, :) !! (3, n) [m]
+        integer :: g, m, n
 
-        do d = 1, 3
-            points(d, :) = pack(gauges%list%at(d), gauges%list%body == 0)
+        n = 0
+        do g = 1, gauges%n
+            n = n + size(gauges%list(g)%points, 2)
+        end do
+        allocate (points(3, n))
+        m = 0
+        do g = 1, gauges%n
+            n = size(gauges%list(g)%points, 2)
+            points(:, m + 1:m + n) = gauges%list(g)%points
+            m = m + n
         end do
     end function gauge_points
 
-    subroutine set_up_gauge(input, with_air, solid, gauge, err)
+    subroutine set_up_gauge(case, input, solid, gauge, err)
+        type(case_t), intent(in) :: case
         type(gauge_case_t), intent(in) :: input
-        logical, intent(in) :: with_air
         class(interacting_bodies_t), intent(in) :: solid
         type(gauge_t), intent(inout) :: gauge
         type(error_t), intent(inout) :: err
@@ -112,24 +120,34 @@ contains
         gauge%body = input%body_index
         gauge%with = input%with_index
         gauge%region = input%motion_index
+        allocate (gauge%points(3, 0), gauge%particle(0), gauge%place(0), gauge%weight(0))
         q = find_quantity(trim(input%quantity))
         possible = q > 0
         if (possible) then
             gauge%of = quantities(q)
-            possible = merge(is_of_body(gauge%of), gauge%of%gas > 0 .and. with_air, gauge%body > 0)
+            possible = merge(is_of_body(gauge%of), gauge%of%gas > 0 .and. case%air%present, &
+                             gauge%body > 0)
         end if
         if (.not. possible) call raise(err, exit_deck, "&gauge id='"//trim(input%id)// &
                                        "': there is no '"//trim(input%quantity)// &
                                        "' to measure here; there is "// &
-                                       known_quantities(gauge%body > 0, with_air))
-        if (failed(err) .or. gauge%body == 0) return
+                                       known_quantities(gauge%body > 0, &
+                                       case%air%present))
+        if (failed(err)) return
+        if (gauge%body == 0) then
+            call points_of_gauge(case, input, gauge%points)
+            return
+        end if
         if (gauge%with > 0) call find_pair(input, solid, gauge%pair, err)
         if (gauge%of%whole > 0) then
             if (any(index(gauge%of%name, ['reaction', 'moment  ']) == 1)) &
                 call find_support(input, solid, err)
             return
         end if
-        call choose_particle(solid, gauge%body, gauge%at, gauge%particle(1), gauge%place(1))
+        call choose_particles(solid, gauge%body, gauge%at, input%width, &
+                              case%run%dimension, gauge%particle, gauge%weight)
+        gauge%place = 0*gauge%particle
+        call find_places(solid, gauge%body, gauge%particle, gauge%place)
         if (gauge%of%body == of_strain) call find_end(input, solid, gauge, err)
         if (gauge%of%body == of_history) call find_slot(input, solid, gauge, err)
         if (gauge%of%name == 'damage' .and. &
@@ -186,7 +204,11 @@ contains
         type(gauge_t), intent(inout) :: gauge
         type(error_t), intent(inout) :: err
 
-        call choose_particle(solid, gauge%body, input%to, gauge%particle(2), gauge%place(2))
+        integer :: other, place
+
+        call choose_particle(solid, gauge%body, input%to, other, place)
+        gauge%particle = [gauge%particle, other]
+        gauge%place = [gauge%place, place]
         if (gauge%particle(1) == gauge%particle(2)) call raise(err, exit_deck, label('gauge', &
             input%id, input%place)//'both ends of the strain gauge are one particle; move them '// &
             'apart')
@@ -244,28 +266,43 @@ contains
     pure function gauge_particles(gauges) result(id)
         type(gauges_t), intent(in) :: gauges
         integer, allocatable :: id(:)
+        integer :: g
 
-        id = [pack(gauges%list%particle(1), gauges%list%particle(1) > 0), &
-              pack(gauges%list%particle(2), gauges%list%particle(2) > 0)]
+        id = [integer ::]
+        do g = 1, gauges%n
+            id = [id, gauges%list(g)%particle]
+        end do
     end function gauge_particles
 
     !> Where these lay on this process when a row was last written.
     pure function gauge_places(gauges) result(place)
         type(gauges_t), intent(in) :: gauges
         integer, allocatable :: place(:)
+        integer :: g
 
-        place = [pack(gauges%list%place(1), gauges%list%particle(1) > 0), &
-                 pack(gauges%list%place(2), gauges%list%particle(2) > 0)]
+        place = [integer ::]
+        do g = 1, gauges%n
+            place = [place, gauges%list(g)%place]
+        end do
     end function gauge_places
 
     !> True if gauges of bodies need more than the motion of their particles.
     pure logical function gauges_need_state(gauges)
         type(gauges_t), intent(in) :: gauges
 
-        gauges_need_state = any(gauges%list%particle(1) > 0 .and. .not. is_motion(gauges%list%of))
+        integer :: g
+
+        gauges_need_state = .false.
+        do g = 1, gauges%n
+            associate (gauge => gauges%list(g))
+                gauges_need_state = gauges_need_state .or. &
+                                    size(gauge%particle) > 0 .and. .not. is_motion(gauge%of)
+            end associate
+        end do
     end function gauges_need_state
 
-    !> One row of the history.
+    !> One row of the history. On several processes each has the values at some places, and all
+    !> form the same means of them, in the same order.
     subroutine gauge_row(gauges, time, air, wall, solid, row)
         type(gauges_t), intent(inout) :: gauges
         real(dp), intent(in) :: time !! [s]
@@ -273,7 +310,7 @@ contains
         type(wall_t), intent(in) :: wall
         class(interacting_bodies_t), intent(in) :: solid
         real(dp), intent(out) :: row(:) !! (n + 1)
-        real(dp) :: state(5)
+        type(samples_t) :: all
         integer :: g, m
 
         row(1) = time
@@ -281,51 +318,95 @@ contains
         do g = 1, gauges%n
             associate (gauge => gauges%list(g))
                 if (gauge%body > 0) then
-                    row(g + 1) = value_of_body(solid, gauge)
+                    call look_at_body(solid, gauge, g, all)
                 else
-                    m = m + 1
-                    if (several(air%part%ranks) .and. wall%present) then
-                        row(g + 1) = 0 ! another process has the point
-                        if (.not. has_point(air, gauge%at)) cycle
-                        call gas_state_at(air, wall, gauge%at, state)
-                    else if (several(air%part%ranks)) then
-                        call gas_state_at(air, wall, gauge%at, state, air%part%seen(:, :, m))
-                    else
-                        call gas_state_at(air, wall, gauge%at, state)
-                    end if
-                    row(g + 1) = value_of_gas(state, real(air%p_rest, dp), gauge%of)
+                    call look_at_air(air, wall, gauge, [g, m], all)
+                    m = m + size(gauge%points, 2)
                 end if
             end associate
         end do
-        if (several(solid%ranks)) call bits_of_all(solid%ranks, row(2:))
+        call means_of(all, solid%ranks, row(2:))
     end subroutine gauge_row
 
     !> One row of the history, but its time, while the air is a blast in one or two dimensions;
     !> bodies wait.
     subroutine early_gauge_row(gauges, seen, solid, row)
         type(gauges_t), intent(inout) :: gauges
-        real(dp), intent(in) :: seen(:, :) !! (5, n) density, velocity, pressure
+        real(dp), intent(in) :: seen(:, :) !! (5, n) density, velocity, pressure at their points
         class(interacting_bodies_t), intent(in) :: solid
         real(dp), intent(inout) :: row(:) !! (n + 1)
-        integer :: g
+        type(samples_t) :: all
+        integer :: g, k, m
 
+        m = 0
         do g = 1, gauges%n
             associate (gauge => gauges%list(g))
                 if (gauge%body > 0) then
-                    row(g + 1) = value_of_body(solid, gauge)
+                    call look_at_body(solid, gauge, g, all)
                 else
-                    row(g + 1) = value_of_gas(seen(:, g), gauges%rest, gauge%of)
+                    do k = 1, size(gauge%points, 2)
+                        m = m + 1
+                        call add_sample(all, g, value_of_gas(seen(:, m), gauges%rest, gauge%of), &
+                                        1.0_dp)
+                    end do
                 end if
             end associate
         end do
-        if (several(solid%ranks)) call bits_of_all(solid%ranks, row(2:))
+        call means_of(all, solid%ranks, row(2:))
     end subroutine early_gauge_row
 
-    !> What a gauge of a body measures.
-    real(dp) function value_of_body(solid, gauge) result(value)
+    !> What a gauge sees at its points in the air. Points in solid do not count in its mean.
+    subroutine look_at_air(air, wall, gauge, at, all)
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        type(gauge_t), intent(in) :: gauge
+        integer, intent(in) :: at(2) !! its number; points of gauges before
+        type(samples_t), intent(inout) :: all
+        real(dp) :: state(5)
+        integer :: k
+
+        do k = 1, size(gauge%points, 2)
+            associate (point => gauge%points(:, k))
+                if (several(air%part%ranks) .and. .not. wall%present) then
+                    call gas_state_at(air, wall, point, state, air%part%seen(:, :, at(2) + k))
+                else if (several(air%part%ranks) .and. .not. has_point(air, point)) then
+                    call add_sample(all, at(1), 0.0_dp, 0.0_dp) ! another process has it
+                    cycle
+                else
+                    call gas_state_at(air, wall, point, state)
+                end if
+                call add_sample(all, at(1), &
+                    value_of_gas(state, real(air%p_rest, dp), gauge%of), &
+                    merge(1.0_dp, 0.0_dp, sees_gas(air, wall, point)))
+            end associate
+        end do
+    end subroutine look_at_air
+
+    !> What a gauge sees of a body: one number of all of it, or one of each of its particles.
+    subroutine look_at_body(solid, gauge, g, all)
         class(interacting_bodies_t), intent(in) :: solid
         type(gauge_t), intent(inout) :: gauge
+        integer, intent(in) :: g !! its number
+        type(samples_t), intent(inout) :: all
+        real(dp) :: value
         integer :: k
+
+        call find_places(solid, gauge%body, gauge%particle, gauge%place)
+        if (size(gauge%particle) == 0 .or. gauge%of%body == of_strain) then
+            call add_sample(all, g, value_of_body(solid, gauge), 1.0_dp)
+            return
+        end if
+        do k = 1, size(gauge%particle)
+            value = 0 ! another process has the particle
+            if (gauge%place(k) > 0) value = value_of_particle(solid, gauge, gauge%place(k))
+            call add_sample(all, g, value, gauge%weight(k))
+        end do
+    end subroutine look_at_body
+
+    !> A force on a whole body or its impulse, or the strain between two particles.
+    real(dp) function value_of_body(solid, gauge) result(value)
+        class(interacting_bodies_t), intent(in) :: solid
+        type(gauge_t), intent(in) :: gauge
 
         associate (whole => gauge%of%whole)
             if (gauge%with > 0) then
@@ -339,15 +420,7 @@ contains
             else if (whole > 0) then
                 value = gauge%force(whole)
             else
-                do k = 1, count(gauge%particle > 0)
-                    call find_place(solid, gauge%body, gauge%particle(k), gauge%place(k))
-                end do
-                value = 0 ! another process has the particle
-                if (gauge%of%body == of_strain) then
-                    value = strain_between(solid, gauge%body, gauge%place)
-                else if (gauge%place(1) > 0) then
-                    value = value_of_particle(solid, gauge)
-                end if
+                value = strain_between(solid, gauge%body, gauge%place)
             end if
         end associate
     end function value_of_body
@@ -363,12 +436,13 @@ contains
     end function value_of_gas
 
     !> Velocities are those at the time of the step.
-    pure real(dp) function value_of_particle(solid, gauge) result(value)
+    pure real(dp) function value_of_particle(solid, gauge, i) result(value)
         class(bodies_t), intent(in) :: solid
         type(gauge_t), intent(in) :: gauge
+        integer, intent(in) :: i !! where the particle lies
         real(dp) :: known(9), d(3), v(3)
 
-        associate (i => gauge%place(1), s => real(solid%stress(:, gauge%place(1)), dp))
+        associate (s => real(solid%stress(:, i), dp))
             select case (gauge%of%body)
             case (of_velocity)
                 v = velocity_at_step(solid, i)

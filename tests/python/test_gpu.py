@@ -231,6 +231,7 @@ SOLID = """&run title='t', t_end=8e-7, symmetry='x' /
       plies='3*(0/90)', velocity=0,0,150, fix='x+' /
 &interaction bodies='rod','plate', law='LAW' /
 &gauge id='g', body='rod', at=0,0,0.005, quantity='velocity_z' /
+&gauge id='w', body='rod', at=0,0,0.005, quantity='velocity_z', width=0.002 /
 &output dump_every=4e-7, checkpoint_every=2e-7, history_every=1e-7 /
 """
 
@@ -292,6 +293,7 @@ DAMAGED = """&run title='t', t_end=2.5e-6 /
 &body id='f', box=0,0.02, 0,0.02, -0.01,0, spacing=2e-3, material='m', fix='all' /
 &gauge id='d', at=0.01,0.01,0.001, quantity='damage', body='b' /
 &gauge id='v', at=0.01,0.01,0.001, quantity='velocity_z', body='b' /
+&gauge id='w', at=0.01,0.01,0.001, quantity='damage', body='b', width=0.01 /
 &output history_every=5e-7 /
 """
 

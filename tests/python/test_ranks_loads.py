@@ -30,6 +30,8 @@ LOADED = f"""\
 &load id = 'end', body = 'bar', faces = 'x+', 'z+', pressure = 1e7 /
 &gauge id = 'plate', body = 'plate', at = 0.001,0.001,-0.002, quantity = 'velocity_z' /
 &gauge id = 'block', body = 'block', at = 0.031,0.031,0.043, quantity = 'speed' /
+&gauge id = 'wide', body = 'block', at = 0.037,0.037,0.037, quantity = 'velocity_z',
+       width = 0.01, 0.02, 0.005 /
 &gauge id = 'die', body = 'die', at = 0.05,0.02,0, quantity = 'speed' /
 &output dump_every = 4e-6, history_every = 0 /
 """

@@ -79,14 +79,15 @@ CROSS = """\
 
 def gauges_across():
     """Gauges in and around the bodies: at random, in the middle of cells, and on the edge of the
-    air, where two of eight cells count."""
+    air, where two of eight cells count; some average over a box that bodies and processes share."""
     dice = np.random.default_rng(11)
     at = np.array([dice.uniform([0, 0, -0.05], [0.15, 0.15, 0.03]) for _ in range(60)])
     at[::3] = np.floor(at[::3] * 100) / 100 + 0.005
     at[1::3] = [[0, 0, z] for z in np.linspace(-0.075, -0.04, 20)]
     names = ("pressure", "density", "velocity_z")
     return "".join(
-        f"&gauge id='g{k}', at={x:.4f},{y:.4f},{z:.4f}, quantity='{names[k % 3]}' /\n"
+        f"&gauge id='g{k}', at={x:.4f},{y:.4f},{z:.4f}, quantity='{names[k % 3]}'"
+        f"{', width=0.03' if k % 5 == 1 else ''} /\n"
         for k, (x, y, z) in enumerate(at)
     )
 

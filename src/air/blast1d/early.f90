@@ -26,7 +26,8 @@ module brz_early
         real(dp) :: off = 0 !! of the sums of points in the grid, before they were put right
         integer :: rows = 0
         real(dp), allocatable :: when(:) !! (rows) times of histories [s]
-        real(dp), allocatable :: seen(:, :, :) !! (5, gauges, rows) density, velocity, pressure
+        real(dp), allocatable :: seen(:, :, :)
+        !! (5, points of gauges, rows) density, velocity, pressure
     end type early_t
 
     abstract interface
@@ -63,12 +64,11 @@ contains
     subroutine keep_row(early, time, seen)
         type(early_t), intent(inout) :: early
         real(dp), intent(in) :: time !! [s]
-        real(dp), intent(in) :: seen(:, :) !! (5, gauges) density, velocity, pressure
+        real(dp), intent(in) :: seen(:, :) !! (5, points of gauges) density, velocity, pressure
         real(dp), allocatable :: when(:), more(:, :, :)
         integer :: n
 
         n = size(seen, 2)
-        if (n == 0) return
         if (.not. allocated(early%when)) allocate (early%when(64), early%seen(5, n, 64))
         if (early%rows == size(early%when)) then
             allocate (when(2*early%rows), more(5, n, 2*early%rows))

@@ -14,6 +14,7 @@ module brz_start_1d
     use brz_early, only: along_arm, early_t, grid_totals, keep_row, lose_blast, next_due, &
                          watch_blast
     use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_gauge_box, only: points_of_gauges
     use brz_kinds, only: dp
     use brz_text, only: to_text
     implicit none
@@ -110,15 +111,17 @@ contains
         type(early_t), intent(inout) :: early
         type(error_t), intent(inout) :: err
         procedure(watch_blast), optional :: watch
+        real(dp), allocatable :: points(:, :)
         real(dp) :: due
         logical :: ok
 
+        call points_of_gauges(case, points)
         due = 0
         do
             call prepare(blast, blast%time)
             if (blast%r(blast%front) >= limit .or. blast%time >= case%run%t_end) exit
             if (blast%time >= due) then
-                call look(case, blast, early)
+                call look(case, points, blast, early)
                 due = next_due(blast%time, case%output%history_every)
             end if
             call advance_blast1d(blast, case%run%t_end - blast%time, ok)
@@ -135,17 +138,18 @@ contains
     end subroutine run_free
 
     !> Keep what the gauges of the air see.
-    subroutine look(case, blast, early)
+    subroutine look(case, points, blast, early)
         type(case_t), intent(in) :: case
+        real(dp), intent(in) :: points(:, :) !! (3, n) of the gauges [m]
         type(blast1d_t), intent(in) :: blast
         type(early_t), intent(inout) :: early
-        real(dp) :: seen(5, size(case%gauges)), arm(3), state(3)
-        integer :: g
+        real(dp) :: seen(5, size(points, 2)), arm(3), state(3)
+        integer :: m
 
-        do g = 1, size(case%gauges)
-            arm = merge(case%gauges(g)%at - case%charges(1)%at, 0.0_dp, case%air%cells > 1)
+        do m = 1, size(points, 2)
+            arm = merge(points(:, m) - case%charges(1)%at, 0.0_dp, case%air%cells > 1)
             call blast1d_at(blast, norm2(arm), state)
-            seen(:, g) = along_arm(state, arm)
+            seen(:, m) = along_arm(state, arm)
         end do
         call keep_row(early, blast%time, seen)
     end subroutine look

@@ -13,6 +13,7 @@ module brz_start_2d
     use brz_case, only: case_t, label
     use brz_early, only: early_t, grid_totals, keep_row, lose_blast, next_due, watch_blast
     use brz_errors, only: error_t, exit_deck, exit_numerical, failed, raise
+    use brz_gauge_box, only: points_of_gauges
     use brz_kinds, only: dp
     use brz_text, only: to_text
     implicit none
@@ -103,10 +104,13 @@ contains
         type(early_t), intent(inout) :: early
         type(error_t), intent(inout) :: err
         procedure(watch_blast), optional :: watch
-        real(dp) :: due, gap, room, seen(5, size(case%gauges))
-        integer :: g
+        real(dp) :: due, gap, room
+        real(dp), allocatable :: points(:, :), seen(:, :)
+        integer :: m
         logical :: ok
 
+        call points_of_gauges(case, points)
+        allocate (seen(5, size(points, 2)))
         due = 0
         room = charge_gap(blast%input, obstacles) - near
         do
@@ -118,8 +122,8 @@ contains
             gap = free_gap(blast, obstacles) - near
             if (present(watch)) call watch(2, blast%time, gap, room)
             if (blast%time >= due) then
-                do g = 1, size(case%gauges)
-                    seen(:, g) = axial_at(blast, frame, case%gauges(g)%at)
+                do m = 1, size(points, 2)
+                    seen(:, m) = axial_at(blast, frame, points(:, m))
                 end do
                 call keep_row(early, blast%time, seen)
                 due = next_due(blast%time, case%output%history_every)

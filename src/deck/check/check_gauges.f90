@@ -8,7 +8,7 @@ module brz_check_gauges
     use brz_check_start, only: is_axial, is_radial
     use brz_deck, only: complain, deck_t, find_group, may_be_misspelt
     use brz_gauge_quantities, only: find_quantity, is_motion, is_of_body, quantities
-    use brz_get, only: is_given, is_usable
+    use brz_get, only: count_values, is_given, is_usable
     use brz_kinds, only: dp
     implicit none
     private
@@ -31,6 +31,7 @@ contains
             call find_motion(deck, g, case, case%gauges(k))
             if (.not. deck%groups(g)%bad) call check_quantity(deck, g, case, case%gauges(k))
             if (.not. deck%groups(g)%bad) call check_points(deck, g, case%gauges(k))
+            if (.not. deck%groups(g)%bad) call check_width(deck, g, case, case%gauges(k))
             if (is_radial(case)) cycle
             if (.not. deck%groups(g)%bad) call check_place(deck, g, case, case%gauges(k))
         end do
@@ -180,6 +181,28 @@ contains
             end if
         end associate
     end subroutine check_points
+
+    !> A mean over a box is that of something that has a value at every point of it.
+    subroutine check_width(deck, g, case, gauge)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(gauge_case_t), intent(in) :: gauge
+
+        if (.not. is_given(deck%groups(g), 'width')) return
+        associate (of => quantities(find_quantity(trim(gauge%quantity))))
+            if (of%whole > 0 .or. of%name == 'strain') then
+                call complain(deck, g, 'width', 'there is no mean of '//trim(gauge%quantity)// &
+                              ' over a box; take width out')
+            else if (count_values(deck%groups(g), 'width') == 2) then
+                call complain(deck, g, 'width', 'give one side for all, or three')
+            else if (any(case%air%geometry == [character(11) :: 'planar', 'cylindrical']) .and. &
+                     is_radial(case)) then
+                call complain(deck, g, 'width', "geometry='"//trim(case%air%geometry)// &
+                              "' knows the distance alone and no box; take width out")
+            end if
+        end associate
+    end subroutine check_width
 
     !> A gauge of the air lies in the air, one of a body in or on the body.
     subroutine check_place(deck, g, case, gauge)

@@ -231,6 +231,7 @@ module brz_case
         character(name_len) :: quantity = 'pressure' !! see the deck reference
         character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
         real(dp) :: to(3) = 0 !! other end of a strain gauge [m]
+        real(dp) :: width(3) = 0 !! sides of the box over which it averages [m]
         character(name_len) :: body = '' !! for quantities of a solid
         integer :: body_index = 0
         character(name_len) :: with = '' !! other body of a force or impulse of contact

@@ -201,6 +201,10 @@ contains
             number('at', 'm', 'Point; a gauge in a body moves with the nearest particle. '// &
                 'moment: point that it is taken about. Not of other forces on a body.', n=3), &
             number('to', 'm', 'strain: the other end of the strain gauge.', n=3), &
+            number('width', 'm', 'Sides of a box about the point, one for all or along x, y '// &
+                'and z: the mean over what lies of it in the air, or of the unloaded body '// &
+                'in it, takes the place of the value at the point. 0: not along that axis.', &
+                lower=zero, n_min=1, n_max=3), &
             words('quantity', 'What is measured. The air has the first seven; with body it is '// &
                 'of the body, and from reaction_x on of all of it.', default='pressure', &
                 choices=quantity_choices()), &

@@ -3,12 +3,12 @@
 module brz_fill_case
     use brz_case, only: air_case_t, body_case_t, case_t, charge_case_t, gas_case_t, gauge_case_t, &
                         name_len, output_case_t, run_case_t, solid_case_t
-    use brz_deck, only: add_error, add_warning, complain, deck_t, entry_line, find_entry, place, &
+    use brz_deck, only: add_error, add_warning, complain, deck_t, entry_line, place, &
                         find_group, group_t
     use brz_explosives, only: explosives, find_explosive
     use brz_fill_rollers, only: fill_rollers
     use brz_fill_shape, only: fill_shape
-    use brz_get, only: get, get_box, get_boxes, get_path, is_usable
+    use brz_get, only: count_values, get, get_box, get_boxes, get_path, is_usable
     use brz_kinds, only: dp
     use brz_layup, only: parse_layup
     use brz_text, only: to_text
@@ -258,15 +258,6 @@ contains
                           "body or of held particles; add formulation='rigid', fix or fix_box")
     end subroutine fill_motion
 
-    !> Values of a key, 0 where it is absent or in error.
-    pure integer function count_values(group, key) result(n)
-        type(group_t), intent(in) :: group
-        character(*), intent(in) :: key
-
-        n = 0
-        if (is_usable(group, key)) n = group%entries(find_entry(group, key))%n
-    end function count_values
-
     subroutine fill_plies(deck, g, body)
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
@@ -290,6 +281,8 @@ contains
         gauge%id = group%id
         call get(group, 'at', gauge%at)
         call get(group, 'to', gauge%to)
+        call get(group, 'width', gauge%width)
+        if (count_values(group, 'width') == 1) gauge%width = gauge%width(1)
         call get(group, 'quantity', gauge%quantity)
         call get(group, 'body', gauge%body)
         call get(group, 'with', gauge%with)

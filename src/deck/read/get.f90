@@ -7,7 +7,8 @@ module brz_get
     use brz_text, only: to_text
     implicit none
     private
-    public :: get, get_box, get_boxes, get_list, get_path, is_given, is_usable, need_file
+    public :: count_values, get, get_box, get_boxes, get_list, get_path, is_given, is_usable
+    public :: need_file
 
     interface get
         module procedure :: get_real, get_reals, get_integer, get_integers, get_logical
@@ -26,6 +27,15 @@ contains
         e = find_entry(group, key)
         if (e > 0) is_usable = .not. group%entries(e)%bad
     end function is_usable
+
+    !> Values of a key, 0 where it is absent or in error.
+    pure integer function count_values(group, key) result(n)
+        type(group_t), intent(in) :: group
+        character(*), intent(in) :: key
+
+        n = 0
+        if (is_usable(group, key)) n = group%entries(find_entry(group, key))%n
+    end function count_values
 
     !> True if the key stands in the deck, with a value other than the default.
     pure logical function is_given(group, key)

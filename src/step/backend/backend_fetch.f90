@@ -124,8 +124,8 @@ contains
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
-        integer :: around(3, 0:7, size(points, 2)), of(size(points, 2)), g, known, n
-        integer, allocatable :: cells(:, :)
+        integer :: around(3, 0:7, size(points, 2)), of(size(points, 2)), g, n
+        integer, allocatable :: cells(:, :), far(:)
 
         n = 0
         do g = 1, size(points, 2) ! with walls another process may have the point
@@ -138,33 +138,46 @@ contains
         if (failed(err) .or. n == 0) return
         cells = reshape(around(:, :, :n), [3, 8*n])
         if (backend%coupling_on_gpu) then
-            do g = 1, n
-                call add_block(air, around(:, 0, g) - 1, around(:, 7, g) + 1, cells)
-            end do
-            known = size(cells, 2)
+            call add_blocks(air, around(:, 0, :n) - 1, around(:, 7, :n) + 1, cells)
             call fetch_walls(air%device, cells, wall, err)
+            far = [integer ::]
             do g = 1, n
-                if (sees_gas(air, wall, points(:, of(g)))) cycle
-                call add_block(air, around(:, 0, g) - probe_reach - 1, &
-                               around(:, 7, g) + probe_reach + 1, cells)
+                if (.not. sees_gas(air, wall, points(:, of(g)))) far = [far, g]
             end do
-            if (size(cells, 2) > known) call fetch_walls(air%device, cells, wall, err)
+            if (size(far) > 0) then
+                call add_blocks(air, around(:, 0, far) - probe_reach - 1, &
+                                around(:, 7, far) + probe_reach + 1, cells)
+                call fetch_walls(air%device, cells, wall, err)
+            end if
         end if
         call fetch_cells(air%device, cells, air, err)
     end subroutine fetch_from_gpu
 
-    !> Add the cells low..high, as far as the arrays have them, to a list.
-    subroutine add_block(air, low, high, cells)
+    !> Add blocks of cells low..high, as far as the arrays have them, to a list.
+    subroutine add_blocks(air, low, high, cells)
         type(air_t), intent(in) :: air
-        integer, intent(in) :: low(3), high(3)
+        integer, intent(in) :: low(:, :), high(:, :) !! (3, blocks)
         integer, allocatable, intent(inout) :: cells(:, :) !! (3, n)
-        integer :: lo(3), hi(3), i, j, k
+        integer :: lo(3, size(low, 2)), hi(3, size(low, 2)), b, i, j, k, n
+        integer, allocatable :: longer(:, :)
 
-        lo = max(low, 1 - air%g)
-        hi = min(high, air%n + air%g)
-        cells = reshape([cells, [(((([i, j, k]), i=lo(1), hi(1)), j=lo(2), hi(2)), &
-                                  k=lo(3), hi(3))]], [3, size(cells, 2) + product(hi - lo + 1)])
-    end subroutine add_block
+        lo = max(low, spread(1 - air%g, 2, size(low, 2)))
+        hi = min(high, spread(air%n + air%g, 2, size(low, 2)))
+        n = size(cells, 2)
+        allocate (longer(3, n + sum(product(max(hi - lo + 1, 0), 1))))
+        longer(:, :n) = cells
+        do b = 1, size(lo, 2)
+            do k = lo(3, b), hi(3, b)
+                do j = lo(2, b), hi(2, b)
+                    do i = lo(1, b), hi(1, b)
+                        n = n + 1
+                        longer(:, n) = [i, j, k]
+                    end do
+                end do
+            end do
+        end do
+        call move_alloc(longer, cells)
+    end subroutine add_blocks
 
     !> On several processes: give all of them the cells around some points.
     subroutine gather_cells(points, air)

@@ -9,7 +9,7 @@ module brz_blast_output
     use brz_errors, only: error_t, exit_deck, exit_stopped, failed, raise
     use brz_folder_lock, only: lock_folder
     use brz_gauge_summary, only: gauge_summary
-    use brz_gauges, only: early_gauge_row, gauge_names, gauges_t, set_up_gauges
+    use brz_gauges, only: early_gauge_row, gauge_names, gauge_points, gauges_t, set_up_gauges
     use brz_history, only: append_row, close_history, history_t, open_history
     use brz_kinds, only: dp
     use brz_output_folder, only: folder_fresh, folder_replace, prepare_folder
@@ -29,7 +29,8 @@ module brz_blast_output
         type(clock_t) :: clock
         type(gauges_t) :: gauges
         type(history_t) :: history
-        real(dp), allocatable :: seen(:, :) !! (5, gauges) density, velocity, pressure
+        real(dp), allocatable :: points(:, :) !! (3, n) of the gauges [m]
+        real(dp), allocatable :: seen(:, :) !! (5, n) density, velocity, pressure there
         real(dp) :: begin = 0 !! wall clock at the start [s]
     end type blast_output_t
 
@@ -68,7 +69,8 @@ contains
         call set_up_gauges(case, solid, out%gauges, err)
         call gauge_names(out%gauges, names)
         if (failed(err)) return
-        allocate (out%seen(5, out%gauges%n))
+        out%points = gauge_points(out%gauges)
+        allocate (out%seen(5, size(out%points, 2)))
         call open_history(out%history, out%folder//'/gauges.csv', names, err)
     end subroutine open_output
 

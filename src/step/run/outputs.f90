@@ -138,7 +138,7 @@ contains
         type(error_t), intent(inout) :: err
         integer :: m
 
-        if (failed(err)) return
+        if (failed(err) .or. outputs%gauges%n == 0) return
         do m = 1, sim%early%rows
             outputs%gauge_values(1) = sim%early%when(m)
             call early_gauge_row(outputs%gauges, sim%early%seen(:, :, m), sim%solid, &

@@ -63,15 +63,15 @@ contains
         type(error_t), intent(inout) :: err
         type(series_t) :: series
         logical :: ok, last
-        integer :: g
+        integer :: m
 
         call open_series(series, out%folder, 'air', err)
         do
             last = blast%time >= case%run%t_end .or. blast%cycle >= case%run%max_steps
             if (blast%cycle > 0) then ! its states are there after the first step
                 if (tick(out%clock%history, blast%time) .or. last) then
-                    do g = 1, out%gauges%n
-                        out%seen(:, g) = axial_at(blast, frame, out%gauges%list(g)%at)
+                    do m = 1, size(out%points, 2)
+                        out%seen(:, m) = axial_at(blast, frame, out%points(:, m))
                     end do
                     call write_row(out, blast%time, err)
                 end if

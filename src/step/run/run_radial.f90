@@ -59,16 +59,16 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: arm(3), state(3)
         logical :: ok, last
-        integer :: g
+        integer :: m
 
         do
             last = blast%time >= case%run%t_end .or. blast%cycle >= case%run%max_steps
             call prepare(blast, blast%time)
             if (tick(out%clock%history, blast%time) .or. last) then
-                do g = 1, out%gauges%n
-                    arm = out%gauges%list(g)%at - case%charges(1)%at
+                do m = 1, size(out%points, 2)
+                    arm = out%points(:, m) - case%charges(1)%at
                     call blast1d_at(blast, norm2(arm), state)
-                    out%seen(:, g) = along_arm(state, arm)
+                    out%seen(:, m) = along_arm(state, arm)
                 end do
                 call write_row(out, blast%time, err)
             end if
