@@ -13,6 +13,7 @@ module brz_command_line
         character(:), allocatable :: deck !! path of the deck
         character(:), allocatable :: out !! run: folder of the results; mat: table; '' = out/<job>
         character(:), allocatable :: restart !! path of a checkpoint, 'latest', or ''
+        character(:), allocatable :: branch !! path of a checkpoint of another deck, or ''
         character(:), allocatable :: backend !! 'cpu', 'gpu', 'auto', '' = as the deck says
         character(:), allocatable :: group !! group to describe, '' = all
         logical :: check = .false. !! parse, discretise and print the cost only
@@ -27,8 +28,9 @@ module brz_command_line
         type(string_t), allocatable :: overrides(:) !! texts group.key=value
     end type options_t
 
-    character(*), parameter :: flags = '--check|--backend|--restart|--out|--walltime|--set|'// &
-                               '--replace|--markdown|--all|--profile|--calls|--ranks|--echo'
+    character(*), parameter :: flags = '--check|--backend|--restart|--branch|--out|'// &
+                               '--walltime|--set|--replace|--markdown|--all|--profile|'// &
+                               '--calls|--ranks|--echo'
     character(*), parameter :: lf = new_line('a')
 
 contains
@@ -52,6 +54,8 @@ contains
             '  --out DIR                folder of the results (default out/<deck name>)'//lf// &
             '  --replace                remove results of an earlier run from that folder'//lf// &
             '  --restart FILE|latest    go on from a checkpoint'//lf// &
+            '  --branch FILE            begin at the checkpoint of another run, with a deck'//lf// &
+            '                           that differs in what comes after it'//lf// &
             '  --walltime HH:MM:SS      write a checkpoint and stop (code 75) by that time'//lf// &
             '  --set group.key=value    change a value of the deck, e.g. run.t_end=1e-4 or'//lf// &
             '                           body(plate).spacing=2e-3; may be repeated'//lf// &
@@ -77,6 +81,7 @@ contains
         options%deck = ''
         options%out = ''
         options%restart = ''
+        options%branch = ''
         options%backend = ''
         options%group = ''
         options%echo = ''
@@ -161,13 +166,20 @@ contains
             call set_option(flag, value, options, err)
             i = i + 1
         end do
+        if (options%branch == '' .or. failed(err)) return
+        if (options%restart /= '') call raise(err, exit_deck, '--branch begins a run, '// &
+            '--restart goes on with one; give one of them')
+        if (options%branch == 'latest') call raise(err, exit_deck, '--branch: name the file of '// &
+            'the checkpoint')
+        if (options%replace) call raise(err, exit_deck, '--branch replaces no results; name '// &
+            'another folder with --out')
     end subroutine read_options
 
     !> True for a flag with a value behind it.
     pure logical function takes_value(flag)
         character(*), intent(in) :: flag
 
-        takes_value = any(flag == [character(10) :: '--backend', '--restart', '--out', &
+        takes_value = any(flag == [character(10) :: '--backend', '--restart', '--branch', '--out', &
                                    '--walltime', '--set', '--ranks', '--echo'])
     end function takes_value
 
@@ -199,6 +211,8 @@ contains
             options%out = value
         case ('--restart')
             options%restart = value
+        case ('--branch')
+            options%branch = value
         case ('--set')
             options%overrides = [options%overrides, string_t(value)]
         case ('--backend')
@@ -216,7 +230,7 @@ contains
     subroutine unknown_option(flag, err)
         character(*), intent(in) :: flag
         type(error_t), intent(inout) :: err
-        character(12) :: list(13)
+        character(12) :: list(14)
         integer :: i, first, last
 
         first = 1

@@ -11,13 +11,13 @@ module brz_history
                              read_bytes, to_change, to_read
     use brz_checksum, only: checksum, add_to_checksum
     use brz_errors, only: error_t, failed, raise, exit_internal, exit_io
-    use brz_files, only: write_text_file
+    use brz_files, only: file_exists, write_text_file
     use brz_kinds, only: dp, int64
     use brz_text, only: to_text
     implicit none
     private
     public :: history_t, mark_t, open_history, cut_history, append_row, flush_history
-    public :: close_history, read_history
+    public :: close_history, copy_history, read_history
 
     integer, parameter :: number_width = 24 !! of es24.16e3
     integer, parameter :: buffer_size = 65536 !! or one row, if that is longer
@@ -65,6 +65,29 @@ contains
         if (allocated(history%buffer)) deallocate (history%buffer)
         allocate (character(max(buffer_size, (number_width + 1)*size(names))) :: history%buffer)
     end subroutine open_history
+
+    !> Begin a history as another one did up to a mark; not where that is not there or has other
+    !> columns.
+    subroutine copy_history(from, to, names, mark, copied, err)
+        character(*), intent(in) :: from, to !! files
+        character(*), intent(in) :: names(:) !! columns with units, 'time[s]' first
+        type(mark_t), intent(in) :: mark
+        logical, intent(out) :: copied
+        type(error_t), intent(inout) :: err
+        type(byte_file_t) :: file
+        character(:), allocatable :: header, text
+        integer(int64) :: n
+
+        call join(names, header)
+        copied = file_exists(from)
+        if (.not. copied .or. failed(err)) return
+        allocate (character(max(mark%bytes, len(header, int64))) :: text)
+        call open_bytes(file, from, to_read, err)
+        call read_bytes(file, text, n, err)
+        call close_bytes(file, err)
+        copied = n >= mark%bytes .and. text(:len(header)) == header .and. .not. failed(err)
+        if (copied) call write_text_file(to, text(:mark%bytes), err)
+    end subroutine copy_history
 
     !> The row of names.
     pure subroutine join(names, header)

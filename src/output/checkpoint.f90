@@ -11,13 +11,14 @@ module brz_checkpoint
     use brz_byte_file, only: sync_file
     use brz_case, only: case_t
     use brz_checkpoint_check, only: check_state
+    use brz_branch_match, only: branch_fault
     use brz_checkpoint_match, only: first_difference
     use brz_checkpoint_state, only: carry_air, carry_clock, carry_coupling, carry_solid
     use brz_clock, only: clock_t
     use brz_core_keys, only: core_keys
     use brz_coupling_gather, only: begin_sharing, keep_before, share_coupling
     use brz_coupling_state, only: coupling_t
-    use brz_errors, only: error_t, failed, raise, exit_io
+    use brz_errors, only: error_t, failed, raise, exit_deck, exit_io
     use brz_carry, only: carry
     use brz_files, only: list_folder, name_len, remove_file, rename_file
     use brz_hdf5_attribute, only: h5_get
@@ -113,10 +114,12 @@ contains
         if (.not. failed(err)) call remove_old(folder, step)
     end subroutine name_checkpoint
 
-    !> Read a checkpoint into a scene that has been set up from the same deck. Afterwards the solid
-    !> and the coupling must derive what is not in it (`resume_solid`, `restart_coupling`).
-    subroutine read_checkpoint(path, case, clock, air, coupling, solid, sums, err)
+    !> Read a checkpoint into a scene that has been set up from the same deck, or from one that may
+    !> branch off it. Afterwards the solid and the coupling must derive what is not in it
+    !> (`resume_solid`, `restart_coupling`).
+    subroutine read_checkpoint(path, branch, case, clock, air, coupling, solid, sums, err)
         character(*), intent(in) :: path !! as `find_checkpoint` gives it
+        logical, intent(in) :: branch
         type(case_t), intent(in) :: case
         type(clock_t), intent(inout) :: clock
         type(air_t), intent(inout) :: air
@@ -128,7 +131,7 @@ contains
         type(h5_t) :: file
 
         call h5_open(file, path, err)
-        call check_origin(file, case, err)
+        call check_origin(file, branch, case, err)
         if (solid%present) call hold_all(solid)
         if (is_in_parts(file) .or. several(air%part%ranks)) then
             call read_air_boxes(file, air, err)
@@ -169,27 +172,36 @@ contains
     end subroutine carry_rest
 
     !> Refuse a checkpoint of another deck or precision.
-    subroutine check_origin(file, case, err)
+    subroutine check_origin(file, branch, case, err)
         type(h5_t), intent(in) :: file
+        logical, intent(in) :: branch
         type(case_t), intent(in) :: case
         type(error_t), intent(inout) :: err
-        character(:), allocatable :: made_with, deck, theirs, ours
+        character(:), allocatable :: made_with, deck, theirs, ours, fault
         type(key_t), allocatable :: keys(:)
+        real(dp) :: time(1)
         logical :: differ
 
         call h5_get(file, about, 'precision', made_with, err)
         call h5_get(file, about, 'deck', deck, err)
         if (failed(err)) return
         call core_keys(keys)
-        call first_difference(keys, deck, case%echo, differ, theirs, ours)
         if (made_with /= precision) then
             call raise(err, exit_io, file%path//': was written with PRECISION='//made_with// &
                        ', this program has '//precision)
-        else if (differ) then
+            return
+        else if (branch) then
+            call h5_get(file, about, 'time', time, err)
+            call branch_fault(keys, deck, case%echo, time(1), fault)
+            if (fault /= '') call raise(err, exit_deck, file%path//': '//fault)
+            return
+        end if
+        call first_difference(keys, deck, case%echo, differ, theirs, ours)
+        if (differ) then
             call raise(err, exit_io, file%path//': belongs to another deck: there '// &
                        quoted(theirs)//', here '//quoted(ours)// &
                        '; only &output and t_end, max_steps, dt_min, energy_band, title and '// &
-                       'backend of &run may change')
+                       'backend of &run may change; --branch takes other histories of loads too')
         end if
     end subroutine check_origin
 

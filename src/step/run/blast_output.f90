@@ -43,8 +43,9 @@ contains
         character(*), intent(in) :: takes !! how long
         type(error_t), intent(inout) :: err
 
-        if (options%restart /= '') call raise(err, exit_deck, 'a run '//out%kind//' takes '// &
-            takes//' and leaves no checkpoint; run it again without --restart')
+        if (options%restart//options%branch /= '') call raise(err, exit_deck, 'a run '// &
+            out%kind//' takes '//takes//' and leaves no checkpoint; run it again without '// &
+            '--restart or --branch')
     end subroutine refuse_restart
 
     !> The folder of the results, for this run alone, and the history in it.

@@ -14,8 +14,8 @@ module brz_outputs
     use brz_gauges, only: gauge_names, gauge_particles, gauge_places, gauge_points, gauge_row, &
                           gauges_need_state, gauges_t, early_gauge_row, set_up_gauges
     use brz_host_calls, only: enter_part
-    use brz_history, only: append_row, close_history, cut_history, flush_history, history_t, &
-                           open_history
+    use brz_history, only: append_row, close_history, copy_history, cut_history, flush_history, &
+                           history_t, open_history
     use brz_files, only: is_folder
     use brz_folder_lock, only: lock_folder
     use brz_kinds, only: dp, real32
@@ -44,6 +44,7 @@ module brz_outputs
         real(dp) :: energy_error = 0 !! of the last history row, relative
         logical :: resumed = .false. !! the run goes on from a checkpoint
         logical :: continued = .false. !! and in the folder where its files are
+        logical :: kept(3) = .false. !! histories that go on: energy, bodies, gauges
         logical :: outside = .false. !! it was told that particles have left the region
         logical :: held = .false. !! it was told that cells of gas were held
     end type outputs_t
@@ -60,7 +61,7 @@ contains
         character(:), allocatable :: note
         logical :: leads
 
-        outputs%resumed = options%restart /= ''
+        outputs%resumed = options%restart//options%branch /= ''
         outputs%folder = options%out
         if (outputs%folder == '') outputs%folder = 'out/'//trim(sim%case%run%job)
         if (options%restart == 'latest') then
@@ -76,15 +77,21 @@ contains
             call prepare_folder(outputs%folder, trim(sim%case%run%job), sim%case%echo, &
                                 merge(folder_replace, folder_fresh, options%replace), err)
         else if (outputs%resumed .and. .not. failed(err)) then
-            call restart(options%restart, sim, outputs, err)
-            outputs%continued = holds_histories(outputs%folder)
-            if (.not. (outputs%continued .or. failed(err))) write (error_unit, '(a)') &
-                outputs%folder//': holds no histories; they begin at the checkpoint'
+            call restart(options, sim, outputs, err)
+            outputs%continued = holds_histories(outputs%folder) .and. options%branch == ''
+            outputs%kept = outputs%continued
+            if (options%branch /= '' .and. leads) then
+                call prepare_folder(outputs%folder, trim(sim%case%run%job), sim%case%echo, &
+                                    folder_fresh, err)
+            else if (.not. (outputs%continued .or. failed(err))) then
+                write (error_unit, '(a)') outputs%folder//': holds no histories; they begin '// &
+                    'at the checkpoint'
+            end if
         end if
         call reduce_errors(sim%ranks, err)
         if (failed(err)) return
         call set_up_gauges(sim%case, sim%solid, outputs%gauges, err)
-        call open_histories(sim, outputs, err)
+        call open_histories(options%branch, sim, outputs, err)
         call start_dumps(outputs%saves%dumps, outputs%folder, &
                          [sim%air%present, sim%solid%present], &
                          outputs%continued .and. leads, sim%clock, err)
@@ -107,11 +114,10 @@ contains
         call prepare_folder(outputs%folder, trim(sim%case%run%job), sim%case%echo, folder_resume, &
                             err)
         call drop_later_checkpoints(outputs%folder, sim%clock%cycle, err)
-        if (.not. outputs%continued) return
-        call cut_history(outputs%energy, err)
-        call cut_history(outputs%bodies, err)
-        call cut_history(outputs%gauge_history, err)
-        call cut_dumps(outputs%saves%dumps, err)
+        if (outputs%kept(1)) call cut_history(outputs%energy, err)
+        if (outputs%kept(2)) call cut_history(outputs%bodies, err)
+        if (outputs%kept(3)) call cut_history(outputs%gauge_history, err)
+        if (outputs%continued) call cut_dumps(outputs%saves%dumps, err)
     end subroutine go_on
 
     !> Say where the checkpoint of a restart has nothing left to compute.
@@ -148,28 +154,36 @@ contains
     end subroutine write_early
 
     !> The state of a checkpoint, and what follows from it.
-    subroutine restart(from, sim, outputs, err)
-        character(*), intent(in) :: from !! file or 'latest'
+    subroutine restart(options, sim, outputs, err)
+        type(options_t), intent(in) :: options
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
         character(:), allocatable :: path, note
         real(dp) :: sums(9)
 
-        call find_checkpoint(from, outputs%folder, path, note, err, sim%ranks)
+        call find_checkpoint(options%restart//options%branch, outputs%folder, path, note, err, &
+                             sim%ranks)
         if (failed(err)) return
         if (note /= '') write (error_unit, '(a)') note
-        call read_checkpoint(path, sim%case, sim%clock, sim%air, sim%coupling, sim%solid, sums, err)
+        call read_checkpoint(path, options%branch /= '', sim%case, sim%clock, sim%air, &
+                             sim%coupling, sim%solid, sums, err)
         if (failed(err)) return
         sim%start = audit_start_t(.true., sums(1), sums(2), sums(3:5), sums(6), sums(7), &
                                    sums(8), sums(9))
         call resume_clock(sim%clock)
+        if (options%branch /= '') then ! dumps are those of its own folder
+            sim%clock%dump_number = 0
+            sim%clock%dump_time = -huge(1.0_dp)
+        end if
         call resume_solid(sim%solid, err)
         if (sim%coupling%present) call restart_coupling(sim%air, sim%solid, sim%coupling)
     end subroutine restart
 
-    !> Open the histories.
-    subroutine open_histories(sim, outputs, err)
+    !> Open the histories. Those of a branch begin as those beside its checkpoint, where they have
+    !> the same columns.
+    subroutine open_histories(branch, sim, outputs, err)
+        character(*), intent(in) :: branch !! file of its checkpoint, or ''
         type(simulation_t), intent(in) :: sim
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
@@ -193,15 +207,22 @@ contains
             integer, intent(in) :: k
             character(*), intent(in) :: columns(:)
             type(history_t), intent(inout) :: history
-            character(*), parameter :: files(3) = [character(11) :: '/energy.csv', '/bodies.csv', &
-                                                   '/gauges.csv']
+            character(*), parameter :: files(3) = [character(10) :: 'energy.csv', 'bodies.csv', &
+                                                   'gauges.csv']
+            character(:), allocatable :: path
 
             if (sim%ranks%rank > 0) return
-            if (outputs%continued) then
-                call open_history(history, outputs%folder//files(k), columns, err, &
-                                  sim%clock%marks(k))
+            path = outputs%folder//'/'//trim(files(k))
+            if (branch /= '') then
+                call copy_history(branch(:index(branch, '/', back=.true.))//trim(files(k)), path, &
+                                  columns, sim%clock%marks(k), outputs%kept(k), err)
+                if (.not. (outputs%kept(k) .or. failed(err))) write (error_unit, '(a)') path// &
+                    ': begins at the checkpoint: no file with these columns is beside that'
+            end if
+            if (outputs%kept(k)) then
+                call open_history(history, path, columns, err, sim%clock%marks(k))
             else
-                call open_history(history, outputs%folder//files(k), columns, err)
+                call open_history(history, path, columns, err)
             end if
         end subroutine open_one
     end subroutine open_histories
