@@ -15,20 +15,19 @@ import json
 import math
 import os
 import re
-import resource
 import shutil
-import signal
 import subprocess
 import tempfile
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
 from post.errors import USAGE, PostError
+from post.processes import TOO_LONG, Processes
 from post.reader import Run
 from post.results import results
 
@@ -88,6 +87,7 @@ class Job:
     text: str
     home: Path  # folder of the deck
     sets: tuple[str, ...] = ()
+    begin: Job | None = None  # a run that ends with a checkpoint off which this one branches
 
     def options(self) -> list[str]:
         """The overrides as arguments."""
@@ -166,6 +166,10 @@ class Store:
 
     def check(self, job: Job) -> Check:
         """Ask the program what a job means and costs; from the index where it was asked before."""
+        if job.begin is not None:
+            own, first = self.check(replace(job, begin=None)), self.check(job.begin)
+            name = hashlib.sha256(f"{own.key} off {first.key}".encode()).hexdigest()[:16]
+            return replace(own, key=name)
         files = _files_of(job)
         told = [self.program.stamp, job.text, *job.sets]
         told += [hashlib.sha256(path.read_bytes()).hexdigest() for path in files]
@@ -200,6 +204,12 @@ class Store:
     def place(self, key: str) -> Path:
         """Folder of a run."""
         return self.folder / "runs" / key
+
+    def checkpoint(self, key: str) -> Path | None:
+        """The last checkpoint in the folder of a run."""
+        found = sorted((self.place(key) / "out").glob("chk_*[0-9].h5"))
+        found = [path for path in found if ".part" not in path.name]
+        return found[-1].resolve() if found else None
 
     def known(self, key: str) -> Outcome | None:
         """The outcome of a run that is complete, or None."""
@@ -252,7 +262,7 @@ def _write_deck(place: Path, job: Job, files: list[Path]) -> Path:
         if path.is_relative_to(job.home):
             link = place / path.relative_to(job.home)
             link.parent.mkdir(parents=True, exist_ok=True)
-            if not link.exists():
+            with suppress(FileExistsError):  # another run may have made it meanwhile
                 link.symlink_to(path.resolve())
     deck = place / "deck.nml"
     deck.write_text(job.text)
@@ -271,19 +281,15 @@ class Runner:
     """Runs jobs in slots. `stop()` ends those that go on, each with a checkpoint."""
 
     def __init__(self, store: Store, time_limit: float = math.inf, retry_failed: bool = False):
-        self.store, self.time_limit, self.retry_failed = store, time_limit, retry_failed
-        self.stopping = threading.Event()
-        self.started = 0  # runs that the program was started for
-        self._going: set[subprocess.Popen] = set()
-        self._lock = threading.Lock()
+        self.store, self.retry_failed = store, retry_failed
+        self.processes = Processes(time_limit)
+        self.stopping = self.processes.stopping
+        self.shared: dict[str, Outcome] = {}  # beginnings off which runs have branched
         self._tried: set[str] = set()
 
     def stop(self) -> None:
         """Ask all runs to write a checkpoint and end, and start no more."""
-        self.stopping.set()
-        with self._lock:
-            for process in self._going:
-                process.send_signal(signal.SIGUSR2)
+        self.processes.stop()
 
     def run(self, job: Job, slot: Slot) -> Outcome:
         """The outcome of a job, from the store where it is known."""
@@ -295,9 +301,26 @@ class Runner:
             return known
         if self.stopping.is_set():
             return Outcome(check.key, "stopped", STOPPED)
+        if job.begin is not None:
+            first = self._begin(job.begin, slot)
+            if not first.done:
+                return replace(first, key=check.key, known=False)
         with self.store.claim(check.key) as lock:
             known = self._known(check.key)  # another study may have had it meanwhile
             return known or self._compute(job, check, slot, lock)
+
+    def _begin(self, job: Job, slot: Slot) -> Outcome:
+        """The beginning that runs share; it keeps its checkpoint."""
+        key = self.store.check(job).key
+        with self.store.claim(key) as lock:
+            found = self._known(key)
+            if found is None or (found.done and not self.store.checkpoint(key)):
+                check = self.store.check(job)
+                if check.code:
+                    return Outcome(key, "refused", check.code, message=check.message)
+                found = self._compute(job, check, slot, lock, keep=("chk_*.h5",))
+        self.shared[key] = found
+        return found
 
     def _known(self, key: str) -> Outcome | None:
         found = self.store.known(key)
@@ -307,21 +330,30 @@ class Runner:
             return None
         return found
 
-    def _compute(self, job: Job, check: Check, slot: Slot, lock: int) -> Outcome:
+    def _compute(
+        self, job: Job, check: Check, slot: Slot, lock: int, keep: tuple[str, ...] = ()
+    ) -> Outcome:
         place = self.store.place(check.key)
         deck = _write_deck(place, job, _files_of(job))
         (place / "complete.nml").write_text(check.echo)
         out = place / "out"
         going_on = any(out.glob("chk_*.h5"))
         command = [str(self.store.program.path), "run", deck.name, "--out", "out", *job.options()]
-        command += ["--restart", "latest"] if going_on else ["--replace"]
+        if going_on:
+            command += ["--restart", "latest"]
+        elif job.begin is None:
+            command += ["--replace"]
+        else:
+            shutil.rmtree(out, ignore_errors=True)
+            first = self.store.checkpoint(self.store.check(job.begin).key)
+            command += ["--branch", str(first)]
         command += ["--backend", "cpu" if slot.gpu is None else "gpu"]
         environment = os.environ | {"OMP_NUM_THREADS": str(slot.threads)}
         if slot.gpu is not None:
             environment["CUDA_VISIBLE_DEVICES"] = str(slot.gpu)
-        start, code, spent = time.monotonic(), STOPPED, 0.0
+        start = time.monotonic()
         with (place / "log.txt").open("a") as log:
-            code, spent = self._wait(command, place, environment, log, lock)
+            code, spent = self.processes.run(command, log, place, environment, (lock,))
         device = "cpu" if slot.gpu is None else f"gpu {slot.gpu}"
         seconds = spent if slot.gpu is None else time.monotonic() - start
         outcome = Outcome(check.key, "done", code, seconds, device)
@@ -333,41 +365,8 @@ class Runner:
         else:
             self._measure(out, outcome)
         self.store.save(outcome)
-        self._clear(out)
+        self._clear(out, keep)
         return outcome
-
-    def _wait(self, command, place: Path, environment: dict, log, lock: int) -> tuple[int, float]:
-        """Exit code and core-seconds of a program; over the time limit it is stopped for good."""
-        process = subprocess.Popen(
-            command,
-            cwd=place,
-            env=environment,
-            stdout=log,
-            stderr=log,
-            pass_fds=(lock,),
-            start_new_session=True,
-        )
-        with self._lock:
-            self.started += 1
-            self._going.add(process)
-        usage = None
-        begun = time.monotonic()
-        while usage is None:
-            pid, status, used = os.wait4(process.pid, os.WNOHANG)
-            if pid:
-                usage = used
-                break
-            if time.monotonic() - begun > self.time_limit:
-                process.kill()
-                _, status, usage = os.wait4(process.pid, 0)
-                status = 124 << 8
-                break
-            time.sleep(min(0.05, 0.005 + 0.05 * (time.monotonic() - begun)))
-        with self._lock:
-            self._going.discard(process)
-        code = os.waitstatus_to_exitcode(status)
-        process.returncode = code
-        return code if code >= 0 else 128 - code, _seconds(usage)
 
     def _measure(self, out: Path, outcome: Outcome) -> None:
         """Results of a run that has ended well."""
@@ -380,20 +379,17 @@ class Runner:
         except PostError as error:
             outcome.state, outcome.message = "failed", str(error)
 
-    def _clear(self, out: Path) -> None:
-        """Keep histories and the echo alone, unless all is to be kept."""
+    def _clear(self, out: Path, keep: tuple[str, ...]) -> None:
+        """Keep histories and the echo alone and what is named, unless all is to be kept."""
         for path in [] if self.store.keep else sorted(out.glob("*")):
-            if path.suffix in (".vtkhdf", ".h5", ".series"):
+            named = any(path.match(pattern) for pattern in keep)
+            if path.suffix in (".vtkhdf", ".h5", ".series") and not named:
                 path.unlink()
-
-
-def _seconds(usage: resource.struct_rusage) -> float:
-    return usage.ru_utime + usage.ru_stime
 
 
 def _last_words(log: Path, code: int) -> str:
     """What a run that failed has said last."""
-    if code == 124:
+    if code == TOO_LONG:
         return "took longer than the time limit"
     lines = [line for line in log.read_text(errors="replace").splitlines() if line.strip()]
     return lines[-1].strip() if lines else f"ended with code {code}"

@@ -29,10 +29,15 @@ import time
 import tomllib
 from pathlib import Path
 
-INPUTS = Path(__file__).parents[1] / "inputs" / "paper"
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from post.processes import Processes  # noqa: E402
+from post.runner import STOPPED  # noqa: E402
+
+INPUTS = ROOT / "inputs" / "paper"
 SIZES = ("full", "quarter", "coarse", "tiny")
 QUESTIONS = {"questions": "coarse", "questions-fine": "fine"}
-STOPPED = 75
 
 
 @dataclasses.dataclass(frozen=True)
@@ -101,7 +106,7 @@ class Campaign:
         self.number = len(chosen)
         first = (lambda case: -case.seconds) if len(places) > 1 else (lambda case: 0)
         self.waiting = sorted(chosen, key=first)
-        self.running, self.code, self.stopped = {}, 0, False
+        self.processes, self.code, self.stopped = Processes(), 0, False
         self.done, self.start = 0, time.monotonic()
         self.work = [sum(case.seconds for case in chosen), 0.0]  # all, done
         self.lock = threading.Lock()
@@ -122,11 +127,7 @@ class Campaign:
     def stop(self, number, frame):
         """Begin nothing more, and let each run that goes on write its checkpoint."""
         self.stopped = True
-        for process in list(self.running.values()):
-            if self.args.processes > 1:
-                process.send_signal(signal.SIGUSR2)  # which mpirun hands on
-            elif number == signal.SIGTERM:  # Ctrl-C they have had themselves
-                process.terminate()
+        self.processes.stop()
 
     def serve(self, place):
         """One case after the other in one place: the numbers of its GPUs, or None."""
@@ -165,19 +166,7 @@ class Campaign:
             surroundings["CUDA_VISIBLE_DEVICES"] = place
         with (self.folder / f"{case.name}.log").open("a", encoding="utf-8") as log:
             print(f"$ {shlex.join(command)}", file=log, flush=True)
-            process = subprocess.Popen(
-                command,
-                stdout=log,
-                stderr=subprocess.STDOUT,
-                env=surroundings,
-                start_new_session=together,  # Ctrl-C would make mpirun end its processes
-            )
-            self.running[case.name] = process
-            if self.stopped:
-                self.stop(signal.SIGTERM, None)
-            code = process.wait()
-        del self.running[case.name]
-        return code
+            return self.processes.run(command, log, environment=surroundings)[0]
 
     def tell(self, case, code, seconds, place):
         """A line when a case has ended, with how long the others will take."""
