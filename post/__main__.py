@@ -137,6 +137,7 @@ def _add_certify(commands) -> None:
     certify.add_argument("--results", default="", metavar="A,B", help="that shall be promised")
     certify.add_argument("--want", metavar="5%", help="error that is wanted")
     certify.add_argument("--ensemble", type=int, default=0, metavar="N", help="members by chance")
+    certify.add_argument("--levels", type=int, choices=(3, 4), default=3, help="spacings")
     certify.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at once")
     certify.add_argument("--backend", choices=("cpu", "gpu"), default="cpu")
     certify.add_argument("--check", action="store_true", help="say what would run, run nothing")
@@ -160,6 +161,7 @@ def _certify(options: argparse.Namespace) -> int:
         options.check,
         options.brisance,
         options.ensemble,
+        options.levels,
     )
     return certify(options.deck, chosen)
 

@@ -7,7 +7,7 @@ import csv
 import json
 import math
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from post.convergence import ZERO, Interval, interval
@@ -28,7 +28,7 @@ from post.runner import (
     find_program,
     meaning_of,
 )
-from post.study import Pool
+from post.study import Pool, stopped_by_signals
 
 HEADLINES = ("displacement", "impulse", "residual_velocity")  # results that come first
 BY_MODEL = ("failed", "tensile", "crushed", "loose", "hole", "crater", "spall", "cracks", "debris")
@@ -52,6 +52,7 @@ class Options:
     check: bool = False
     program: str | None = None
     ensemble: int = 0  # members with each of two spacings
+    levels: int = 3  # spacings, the finest included
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,7 @@ class Certificate:
     wanted: tuple[str, ...] = ()
     want: float = math.nan
     scatter: dict[str, Scatter] = field(default_factory=dict)
+    most: int = 3  # levels of an interval
 
     @property
     def headline(self) -> Certified | None:
@@ -111,28 +113,39 @@ def certify(path: str | Path, options: Options) -> int:
         text = path.read_text(encoding="utf-8")
     except OSError as error:
         raise PostError(f"{path}: cannot be read: {error.strerror}", USAGE) from error
-    program = Program(find_program(options.program))
     out = options.out or (options.fine / "certify" if options.fine else None)
     out = out or Path("out") / "certify" / path.stem
+    return certify_job(path, Job(text, path.resolve().parent, options.sets), out, options)[0]
+
+
+def certify_job(
+    path: Path, job: Job, out: Path, options: Options
+) -> tuple[int, Certificate | None]:
+    """The exit code of `certify`, and the certificate where there is one."""
+    program = Program(find_program(options.program))
     store = Store(out, program)
-    home = path.resolve().parent
-    check = store.check(Job(text, home, options.sets))
+    check = store.check(job)
     if check.code:
         raise PostError(f"{path}: is refused: {check.message}", USAGE)
     deck = Deck(check.echo, str(path))
-    plan = make_plan(deck, options.budget, options.hold, options.finer)
+    plan = make_plan(deck, options.budget, options.hold, options.finer, options.levels)
     _say(path, plan)
     if plan.refusal:
         raise PostError(f"{path}: {plan.refusal}", USAGE)
-    jobs = [Job(text, home, (*options.sets, *level.sets)) for level in plan.levels]
+    jobs = [replace(job, sets=(*job.sets, *level.sets)) for level in plan.levels]
     _refuse_what_is_refused(store, plan, jobs)
     if options.check:
-        return 0
+        return 0, None
     fine = _given(options.fine, check.echo) if options.fine else None
-    made = _run(store, jobs, fine, options)
-    if any(one.state == "stopped" for one in made):
+    runner = Runner(store)
+    slot = Slot() if options.backend != "gpu" else Slot(1, 0)
+    pool = Pool(runner, [slot] * max(options.jobs, 1))
+    with stopped_by_signals(runner, math.inf):
+        made = _run(pool, jobs, fine)
+        members = _run_ensemble(pool, jobs, options) if options.ensemble else []
+    if any(one.state == "stopped" for row in (made, *members) for one in row):
         print("stopped; the same command goes on", file=sys.stderr)
-        return STOPPED
+        return STOPPED, None
     reckoned = math.isnan(made[0].seconds)
     if reckoned:
         made[0].seconds = made[1].seconds * plan.cost(plan.levels[0]) / plan.cost(plan.levels[1])
@@ -144,10 +157,10 @@ def certify(path: str | Path, options: Options) -> int:
     if options.fine:
         places[0] = options.fine
     if options.ensemble:
-        _add_ensemble(certificate, store, jobs, options)
+        _add_ensemble(certificate, *members)
     good = [k for k, one in enumerate(made) if one.done]
     certificate.histories = [places[k] for k in good]
-    return _write(certificate, out, options)
+    return _write(certificate, out, options), certificate
 
 
 def _write(certificate: Certificate, out: Path, options: Options) -> int:
@@ -198,38 +211,35 @@ def _given(folder: Path, echo: str) -> Outcome:
     return found
 
 
-def _run(store: Store, jobs: list[Job], fine: Outcome | None, options: Options) -> list[Outcome]:
+def _run(pool: Pool, jobs: list[Job], fine: Outcome | None) -> list[Outcome]:
     """Outcomes of all levels, the coarsest first run, finest first told."""
-    runner = Runner(store)
-    slot = Slot() if options.backend != "gpu" else Slot(1, 0)
-    pool = Pool(runner, [slot] * max(options.jobs, 1))
-    from post.study import _stopped_by_signals  # noqa: PLC0415
-
-    with _stopped_by_signals(runner, math.inf):
-        waiting = [None if fine and k == 0 else pool.submit(job, float(k))
-                   for k, job in reversed(list(enumerate(jobs)))]  # fmt: skip
-        found = []
-        for future in waiting:
-            one = fine if future is None else future.result()
-            state = "known" if one.known else f"{one.seconds:.2f} core-s"
-            print(f"  {one.key}: {one.state}, {state}", file=sys.stderr)
-            found.append(one)
+    waiting = [None if fine and k == 0 else pool.submit(job, float(k))
+               for k, job in reversed(list(enumerate(jobs)))]  # fmt: skip
+    found = []
+    for future in waiting:
+        one = fine if future is None else future.result()
+        state = "known" if one.known else f"{one.seconds:.2f} core-s"
+        print(f"  {one.key}: {one.state}, {state}", file=sys.stderr)
+        found.append(one)
     return found[::-1]
 
 
-def _add_ensemble(found: Certificate, store: Store, jobs: list[Job], options: Options) -> None:
-    """Members with a jitter at the user's spacing and at the next; scatter of what is not promised
-    and of what was asked for.
-    """
-    pool = Pool(Runner(store), [Slot()] * max(options.jobs, 1))
+def _run_ensemble(pool: Pool, jobs: list[Job], options: Options) -> list[list[Outcome]]:
+    """Members with a jitter at the finest spacing and at the next."""
     seeds = range(1, options.ensemble + 1)
-    waiting = [[pool.submit(Job(job.text, job.home, (*job.sets, *member_sets(seed))))
+    waiting = [[pool.submit(replace(job, sets=(*job.sets, *member_sets(seed))))
                 for seed in seeds] for job in jobs[:2]]  # fmt: skip
-    fine, middle = ([future.result() for future in row] for row in waiting)
+    return [[future.result() for future in row] for row in waiting]
+
+
+def _add_ensemble(found: Certificate, fine: list[Outcome], middle: list[Outcome]) -> None:
+    """Scatter of what is not promised and of what was asked for."""
     ratio = found.widths[1] / found.widths[0]
     bad = sum(not one.done for one in (*fine, *middle))
     if bad:
-        found.notes.append(f"{bad} of {2 * options.ensemble} members of the ensemble have failed")
+        found.notes.append(
+            f"{bad} of {len(fine) + len(middle)} members of the ensemble have failed"
+        )
     for row in found.rows:
         if row.interval.promised and row.name not in found.wanted:
             continue
@@ -245,7 +255,7 @@ def judge(path: Path, deck: Deck, made: tuple, options: Options) -> Certificate:
     plan, outcomes = made
     widths = [level.width for level in plan.levels]
     found = Certificate(path, path.stem, "", plan, outcomes, widths, wanted=options.wanted)
-    found.want = options.want
+    found.want, found.most = options.want, options.levels
     for level, one in zip(plan.levels, outcomes, strict=True):
         if not one.done:
             name = "/".join(map(str, level.numbers))
@@ -254,12 +264,12 @@ def judge(path: Path, deck: Deck, made: tuple, options: Options) -> Certificate:
     if len(good) < 2:
         raise PostError("; ".join(found.notes), NUMERICAL)
     fine = outcomes[good[0]]
-    h = [widths[k] for k in good][:3]
+    h = [widths[k] for k in good][: options.levels]
     broken = by_spacing(deck)
     found.notes += [f"'{body}' breaks by its spacing: {why}; what is broken of it is by its model "
                     "not to be had by finer particles" for body, why in broken.items()]  # fmt: skip
     for name, value in fine.values.items():
-        values = [outcomes[k].values.get(name, math.nan) for k in good][:3]
+        values = [outcomes[k].values.get(name, math.nan) for k in good][: options.levels]
         scale = natural_scale(fine, name)
         if not all(map(math.isfinite, values)) or scale <= 0:
             continue

@@ -32,7 +32,7 @@ from post.tables import Table, as_text
 from post.units import scale_for, show
 
 MOST_CURVES, MOST_PANELS, MOST_HISTORIES = 6, 12, 6
-DOTS, NEXT = 3, 2  # levels at most; finer levels that are drawn ahead
+DOTS, NEXT = 3, 2  # levels of a band; finer levels that are drawn ahead
 LEAST_ERROR = 1e-4  # of the scale: smaller distances are drawn there
 
 
@@ -214,12 +214,12 @@ def _draw_spacing(found: Certificate, out: Path) -> Picture | None:
     figure, axes = plt.subplots(
         lines, columns, figsize=(WIDTH, 2.0 * lines + 0.3), squeeze=False, dpi=DPI
     )
-    h = [w for w, one in zip(found.widths, found.outcomes, strict=True) if one.done][:DOTS]
+    h = [w for w, one in zip(found.widths, found.outcomes, strict=True) if one.done]
     for axis, row in zip(axes.ravel(), rows, strict=False):
         one = row.interval
         factor, unit = scale_for(row.values, row.unit)
         color = BLUE if one.promised else GREY
-        axis.plot(h, np.array(row.values) / factor, "o-", color=color, ms=4)
+        axis.plot(h[: len(row.values)], np.array(row.values) / factor, "o-", color=color, ms=4)
         axis.errorbar([h[0]], [one.value / factor], yerr=[[one.half / factor]] * 2, color=RED,
                       capsize=4, lw=1.5)  # fmt: skip
         axis.plot([0], [one.best / factor], "x", color=RED, ms=5)

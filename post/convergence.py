@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""An interval for a result from runs with three spacings, and bands for histories.
+"""An interval for a result from runs with three or four spacings, and bands for histories.
 
 Both differences count, each as what is left of an error of first order; a factor by what the three
 look like. How often such intervals hold the truth is measured: docs/manual/certify.md.
@@ -8,7 +8,7 @@ look like. How often such intervals hold the truth is measured: docs/manual/cert
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -75,6 +75,26 @@ def first_order_rest(h, f) -> float:
     return max(e21 / (r21 - 1), e32 / (r32 - 1) / r21)
 
 
+def fit_scatter(h, f) -> float:
+    """Standard deviation of four levels or more about the best of the fits f0 + a h^p with p of 0.5
+    to 2, f0 + a h, f0 + a h^2 and f0 + a h + b h^2, each with the weights 1/h (L. Eca, M. Hoekstra,
+    J. Comput. Phys. 262 (2014) 104); 0 below four.
+    """
+    if len(h) < 4:
+        return 0.0
+    h, f = np.asarray(h, float), np.asarray(f, float)
+    weight = np.sqrt(len(h) / h / np.sum(1 / h))
+
+    def deviation(*powers: float, more: int = 0) -> float:
+        columns = np.stack([np.ones_like(h), *(h**p for p in powers)], axis=1)
+        best = np.linalg.lstsq(columns * weight[:, None], f * weight, rcond=None)[0]
+        rest = weight * (columns @ best - f)
+        return math.sqrt(float(rest @ rest) / (len(h) - columns.shape[1] - more))
+
+    free = min(deviation(p, more=1) for p in np.linspace(0.5, 2.0, 61))
+    return min(free, deviation(1.0), deviation(2.0), deviation(1.0, 2.0))
+
+
 def look_of(h, f, little: float) -> str:
     """What three results look like, a name of `FACTORS`; differences to `little` do not count."""
     p, e21, e32 = observed_order(h, f), abs(f[1] - f[0]), abs(f[2] - f[1])
@@ -86,14 +106,21 @@ def look_of(h, f, little: float) -> str:
 
 
 def interval(h, f, scale: float) -> Interval:
-    """Interval of a result from two or three levels, finest first.
+    """Interval of a result from two to four levels, finest first: the rule of the finest three, and
+    with four the scatter about a fit through all besides.
 
     `h` spacings, `f` results, `scale` the natural scale of the result. ValueError for other numbers
     of levels or spacings that do not grow.
     """
-    if len(h) != len(f) or len(h) not in (2, 3) or any(b <= a for a, b in pairwise(h)):
-        raise ValueError("an interval needs two or three levels, the finest first")
+    if len(h) != len(f) or len(h) not in (2, 3, 4) or any(b <= a for a, b in pairwise(h)):
+        raise ValueError("an interval needs two to four levels, the finest first")
     scale = abs(scale)
+    if len(h) == 4:
+        one = interval(h[:3], f[:3], scale)
+        half = one.half + fit_scatter(h, f)
+        if half > COARSE * scale:
+            return replace(one, half=half, verdict="too coarse", promised=False)
+        return replace(one, half=half)
     if len(h) == 2:
         rest = abs(f[1] - f[0]) / (h[1] / h[0] - 1)
         half = max(TWO_LEVELS * rest, FLOOR * scale)

@@ -60,20 +60,28 @@ class Plan:
         return level.width ** -(self.dimension + 1)
 
 
-def ratio_for(dimension: int, budget: float = BUDGET) -> float:
-    """Ratio of spacings of which two partners cost a share `budget` of the run.
+def ratio_for(dimension: int, budget: float = BUDGET, partners: int = 2) -> float:
+    """Ratio of spacings of which the partners cost a share `budget` of the run.
 
-    Cost goes with h^-(d+1): x + x^2 = budget, x = r^-(d+1).
+    Cost goes with h^-(d+1): x + x^2 = budget, x = r^-(d+1); with three partners x + x^2 + x^3.
     """
-    return (math.sqrt(budget + 0.25) - 0.5) ** (-1 / (dimension + 1))
+    x = math.sqrt(budget + 0.25) - 0.5
+    for _ in range(20 if partners > 2 else 0):  # Newton, from above
+        x -= (x + x**2 + x**3 - budget) / (1 + 2 * x + 3 * x**2)
+    return x ** (-1 / (dimension + 1))
 
 
 def make_plan(
-    deck: Deck, budget: float = BUDGET, hold: tuple[str, ...] = (), finer: bool = False
+    deck: Deck,
+    budget: float = BUDGET,
+    hold: tuple[str, ...] = (),
+    finer: bool = False,
+    most: int = 3,
 ) -> Plan:
     """Partners of a complete deck.
 
-    `hold`: bodies that keep their spacing; `finer`: one level finer than the deck comes first.
+    `hold`: bodies that keep their spacing; `finer`: one level finer than the deck comes first;
+    `most`: levels, 3 or 4.
     """
     dimension = int(deck.get("run", "dimension", 3))
     geometry = str(deck.get("air", "geometry", "cartesian"))
@@ -89,7 +97,8 @@ def make_plan(
     if not knobs:
         return Plan(dimension, [], [], None, notes, "the deck has nothing that can be refined")
     scarce = min(knobs, key=lambda k: k.n / k.least)
-    numbers = _numbers(scarce, ratio_for(dimension, budget), finer)
+    ratio = ratio_for(dimension, budget, most - 1)
+    numbers = _numbers(scarce, ratio, finer, most)
     fixed = fixed_sets(deck)
     levels = []
     for m in numbers:
@@ -104,18 +113,18 @@ def make_plan(
         real = scarce.n / row[knobs.index(scarce)]
         levels.append(Level(tuple(row), (*sets, *fixed), real))
     plan = Plan(dimension, knobs, levels, scarce, notes)
-    _judge(deck, plan, ratio_for(dimension, budget))
+    _judge(deck, plan, ratio)
     return plan
 
 
-def _numbers(scarce: Knob, ratio: float, finer: bool) -> list[int]:
-    """Numbers of the knob that decides, finest first: three where there is room for them."""
+def _numbers(scarce: Knob, ratio: float, finer: bool, most: int) -> list[int]:
+    """Numbers of the knob that decides, finest first: `most` where there is room for them."""
     n, least = scarce.n, scarce.least
-    coarse = max(least, round(n / ratio**2))
-    middle = max(round(n / ratio), coarse + 1)
-    numbers = [n, *(m for m in (middle, coarse) if least <= m < n)]
-    numbers = sorted(set(numbers), reverse=True)
-    return [_finer(n, ratio), *numbers][:3] if finer else numbers
+    numbers = [max(least, round(n / ratio ** (most - 1)))]
+    for k in range(most - 2, 0, -1):
+        numbers.append(max(round(n / ratio**k), numbers[-1] + 1))
+    numbers = sorted({n, *(m for m in numbers if least <= m < n)}, reverse=True)
+    return [_finer(n, ratio), *numbers][:most] if finer else numbers
 
 
 def _finer(n: int, ratio: float) -> int:

@@ -14,13 +14,17 @@ from collections import Counter
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
 from post.errors import USAGE, PostError
 from post.limits import Found, bracket, guess_between, meet, waves
 from post.runner import SMALL, STOPPED, Job, Outcome, Program, Runner, Slot, Store, find_program
 from post.study_file import Limit, Study, read_study
+from post.study_histories import write_histories
 from post.study_table import columns_of, write_csv, write_manifest, write_parquet
+
+if TYPE_CHECKING:
+    from post.study_certificate import Centre
 
 TOO_MANY = 0.2  # share of failures from which a study ends
 LEAST_FAILED = 5  # but not before so many have failed
@@ -50,6 +54,7 @@ class Results:
     limits: list[tuple[dict, Found]] = field(default_factory=list)  # point, limit there
     stopped: bool = False
     given_up: bool = False  # too many runs have failed
+    centre: Centre | None = None  # its certificate
 
 
 class Pool:
@@ -146,10 +151,31 @@ def make_study(path: str | Path, options: Options) -> tuple[Results, int]:
     if options.check or options.list_only or code:
         return Results(), code
     progress = Progress(study.title)
-    with _stopped_by_signals(runner, options.stop_after):
+    with stopped_by_signals(runner, options.stop_after):
         found = _run(study, runner, slots, progress)
     progress.end()
+    if study.certify and not found.stopped and not found.given_up:
+        jobs = sum(slot.gpu is None for slot in slots)
+        middle = _middle(study, found)
+        found.centre = _certify_centre(study, middle, out, max(jobs, 1), program.path)
+        found.stopped = found.centre.stopped
     return _write(study, out, runner, found)
+
+
+def _middle(study: Study, found: Results) -> dict:
+    """The point of the certificate: the middle of the ranges, with the limit found there."""
+    middle = study.centre
+    near = [(point, one.value) for point, one in found.limits if math.isfinite(one.value)]
+    if study.limit is not None and near:
+        point, value = near[len(near) // 2]
+        middle = middle | point | {study.limit.unknown.name: value}
+    return middle
+
+
+def _certify_centre(*args) -> Centre:
+    from post.study_certificate import certify_centre  # noqa: PLC0415 (certify uses this module)
+
+    return certify_centre(*args)
 
 
 def _write(study: Study, out: Path, runner: Runner, found: Results) -> tuple[Results, int]:
@@ -157,18 +183,24 @@ def _write(study: Study, out: Path, runner: Runner, found: Results) -> tuple[Res
     from post.study_page import make_study_page  # noqa: PLC0415 (draws: slow to load)
 
     columns = columns_of(study, found.points, found.outcomes)
+    if found.centre is not None:
+        columns += found.centre.columns(study, found.outcomes)
     about = {
         "program": runner.store.program.stamp,
         "study_file": study.path.read_text(encoding="utf-8"),
     }
     write_csv(out / "study.csv", columns)
     write_parquet(out / "study.parquet", columns, about)
+    write_histories(out / "histories.h5", runner.store, found.outcomes)
     page, text = make_study_page(study, out, found)
     write_manifest(out, study, columns, about)
     print(text)
     spent = sum(one.seconds for one in found.outcomes if not one.known)
     known = sum(one.known for one in found.outcomes)
     print(f"{len(found.outcomes)} runs, {known} known before, {spent:.1f} core-s; {page}")
+    if runner.shared:
+        begun = sum(one.seconds for one in runner.shared.values())
+        print(f"{len(runner.shared)} beginnings that runs share, {begun:.1f} core-s")
     if found.stopped:
         print("stopped; the same command goes on", file=sys.stderr)
         return found, STOPPED
@@ -233,7 +265,7 @@ def _look_ahead(study: Study, store: Store, workers: int, options: Options) -> i
     return USAGE if refused else 0
 
 
-class _stopped_by_signals:  # noqa: N801 (used like a function)
+class stopped_by_signals:  # noqa: N801 (used like a function)
     """INT and TERM, and the end of `--stop-after`, stop a study with checkpoints."""
 
     def __init__(self, runner: Runner, seconds: float):

@@ -8,9 +8,10 @@ design of points or a limit to be found.
 from __future__ import annotations
 
 import difflib
+import math
 import re
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from post.designs import DESIGNS, LAWS, RANDOM, Design, Parameter, points_of
+from post.ensemble import member_sets
 from post.errors import USAGE, PostError
 from post.expressions import evaluate
 from post.runner import Job
@@ -26,7 +28,21 @@ from post.units import base_of, factor_of
 KINDS = ("limit", "pi", "standoff_charge", "fragility")
 SECTIONS = ("study", "parameter", "derived", "limit", "slots")
 KEYS = {
-    "study": ("deck", "design", "runs", "seed", "results", "title", "set", "surrogate"),
+    "study": (
+        "deck",
+        "design",
+        "runs",
+        "seed",
+        "results",
+        "title",
+        "set",
+        "surrogate",
+        "certify",
+        "repeat",
+        "late",
+        "start",
+        "start_unit",
+    ),
     "parameter": ("values", "from", "to", "count", "scale", "unit", "set", "preset", *LAWS),
     "limit": (
         "kind",
@@ -45,6 +61,8 @@ KEYS = {
     ),
     "slots": ("jobs", "threads", "gpus", "share", "time_limit"),
 }
+MEMBER = "seed"  # name of the number of a member in points and tables
+KEY = re.compile(r"\w+(\([^()]+\))?\.\w+")  # as --set takes it
 PLACE = re.compile(r"\{([^{}]+)\}")
 
 
@@ -79,15 +97,49 @@ class Study:
     limit: Limit | None = None
     fixed: tuple[str, ...] = ()  # overrides of every run
     surrogate: bool = True
+    certify: bool = False  # one certificate at the middle of the ranges
+    repeat: int = 1  # members a point, by a jitter of the particles
+    late: tuple[str, ...] = ()  # keys of the deck that change only what comes after `start`
+    start: float = 0.0  # to which all points are one run [s]
     slots: dict[str, Any] = field(default_factory=dict)
     lines: _Lines | None = None
 
     def points(self) -> list[dict]:
-        """The points of the design; of a limit those at which it is searched."""
-        return points_of(self.parameters, self.design) if self.parameters else [{}]
+        """The points of the design, each as often as there are members; of a limit those at which
+        it is searched.
+        """
+        points = points_of(self.parameters, self.design) if self.parameters else [{}]
+        if self.repeat == 1:
+            return points
+        return [point | {MEMBER: k} for point in points for k in range(1, self.repeat + 1)]
+
+    @property
+    def centre(self) -> dict:
+        """The middle of all ranges; a limit of its bracket."""
+        point = {one.name: one.middle for one in self.parameters}
+        if self.limit is not None and self.limit.kind != "fragility":
+            point[self.limit.unknown.name] = math.sqrt(self.limit.low * self.limit.high)
+        return point
 
     def job(self, point: dict) -> Job:
-        """The run of one point."""
+        """The run of one point; with late keys it branches off that of the deck's own late keys,
+        which all such points share.
+        """
+        if not self.late:
+            return self.whole(point)
+        first = self.whole(point, tuple(one.name for one in self.late_parameters()))
+        ends = (f"run.t_end={self.start!r}", f"output.checkpoint_every={self.start!r}")
+        begin = replace(first, sets=(*first.sets, *ends))
+        return replace(self.whole(point), begin=begin)
+
+    def late_parameters(self) -> list[Parameter]:
+        """Parameters that set late keys alone."""
+        unknown = [self.limit.unknown] if self.limit and self.limit.kind != "fragility" else []
+        return [one for one in [*self.parameters, *unknown]
+                if one.sets and all(key in self.late for key, _ in one.sets)]  # fmt: skip
+
+    def whole(self, point: dict, left_out: tuple[str, ...] = ()) -> Job:
+        """The run of one point from its start; parameters that are left out set no key."""
         names = dict(point)
         for name, formula in self.derived.items():
             names[name] = evaluate(formula, names, self.where("derived", name))
@@ -99,11 +151,15 @@ class Study:
         sets = list(self.fixed)
         unknown = [self.limit.unknown] if self.limit and self.limit.kind != "fragility" else []
         for one in [*self.parameters, *unknown]:
+            if one.name in left_out:
+                continue
             own = names | ({"x": names[one.name]} if one.name in names else {})
             where = self.where(f"parameter.{one.name}", "set")
             for key, formula in one.sets:
                 texts = [_plain(evaluate(part, own, where)) for part in _parts(formula)]
                 sets.append(f"{key}={','.join(texts)}")
+        if MEMBER in point:
+            sets += member_sets(point[MEMBER])
         return Job(PLACE.sub(fill, self.text), self.deck.parent, tuple(sets))
 
     def where(self, section: str, key: str = "") -> str:
@@ -185,11 +241,49 @@ class _Reader:
             limit,
             tuple(str(one) for one in _as_list(head.get("set", []))),
             bool(head.get("surrogate", True)),
-            self._slots(),
-            self.lines,
+            self._certify(head),
+            self._repeat(head, parameters, limit),
+            *self._late(head),
+            slots=self._slots(),
+            lines=self.lines,
         )
         self._placeholders(study)
+        if study.late and not study.late_parameters():
+            text = f"no parameter sets {' or '.join(study.late)} alone; name the keys that one sets"
+            raise self.wrong("study", "late", text)
         return study
+
+    def _certify(self, head: dict) -> bool:
+        if head.get("certify", "centre") != "centre":
+            raise self.wrong("study", "certify", 'certify is "centre", or left out')
+        return "certify" in head
+
+    def _repeat(self, head: dict, parameters: list[Parameter], limit: Limit | None) -> int:
+        count = head.get("repeat", 1)
+        if not isinstance(count, int) or count < 1:
+            raise self.wrong("study", "repeat", "repeat is a number of members, 1 or more")
+        if count > 1 and limit is not None and limit.kind != "fragility":
+            text = "repeat: where chance decides there is no single limit; use kind = 'fragility'"
+            raise self.wrong("study", "repeat", text)
+        if count > 1 and any(one.name == MEMBER for one in parameters):
+            text = f"a parameter is called '{MEMBER}', as the numbers of the members are; rename it"
+            raise self.wrong(f"parameter.{MEMBER}", "", text)
+        return count
+
+    def _late(self, head: dict) -> tuple[tuple[str, ...], float]:
+        late = tuple(str(one) for one in _as_list(head.get("late", [])))
+        if ("late" in head) != ("start" in head):
+            text = "late and start belong together: keys, and the time before which they are alike"
+            raise self.wrong("study", "late" if "late" in head else "start", text)
+        for key in late:
+            if not KEY.fullmatch(key):
+                text = f"'{key}': write group.key or group(id).key, as for --set"
+                raise self.wrong("study", "late", text)
+        start = head.get("start", 0.0)
+        factor, unit = self._unit("study", str(head.get("start_unit", "s")))
+        if late and (not isinstance(start, (int, float)) or start <= 0 or unit != "s"):
+            raise self.wrong("study", "start", "start is a time after 0 [s]")
+        return late, float(start) * factor
 
     def _section(self, name: str) -> dict:
         table = self.data.get(name, {})
@@ -292,7 +386,7 @@ class _Reader:
             given = [given]
         pairs = list(given.items()) if isinstance(given, dict) else [(k, name) for k in given]
         for key, _ in pairs:
-            if not re.fullmatch(r"\w+(\([^()]+\))?\.\w+", str(key)):
+            if not KEY.fullmatch(str(key)):
                 text = f"'{key}': write group.key or group(id).key, as for --set"
                 raise self.wrong(section, "set", text)
         return tuple((str(k), str(v)) for k, v in pairs)

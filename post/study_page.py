@@ -8,6 +8,7 @@ import json
 import math
 from collections import Counter
 from html import escape
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,7 @@ from post.fragility import Curve, by_likelihood, by_line, by_share
 from post.limits import Found, fit_hyperbola
 from post.page import PAGE, html_picture, html_problems, html_table
 from post.reference_curves import fit_limit
-from post.study_file import Study
+from post.study_file import MEMBER, Study
 from post.study_pictures import (
     draw_fragility,
     draw_limits,
@@ -77,6 +78,11 @@ def make_study_page(study: Study, folder: Path, found: Results) -> tuple[Path, s
         if known and name not in known:
             page.notes.append(f"no run has a result '{name}'; there are {', '.join(sorted(known))}")
     _add_failures(page)
+    if study.repeat > 1:
+        _add_scatter(page)
+    if found.centre is not None:
+        names = result_names(study, found.outcomes)[:MOST_FORMULAS]
+        page.notes.append(found.centre.sentence(names))
     if not page.sentence:
         done = sum(one.done for one in found.outcomes)
         page.sentence = f"{done} of {len(found.outcomes)} runs have results."
@@ -108,6 +114,28 @@ def _add_failures(page: Page) -> None:
     rows = [(str(count), text) for text, count in bad.most_common(8)]
     if rows:
         page.tables.append(Table("Runs without results", ("runs", "why"), rows))
+
+
+def _add_scatter(page: Page) -> None:
+    """What chance does: standard deviation of the members of a point, all points together."""
+    sets: dict[str, list[int]] = {}
+    for k, point in enumerate(page.found.points):
+        alike = json.dumps({n: repr(v) for n, v in point.items() if n != MEMBER})
+        sets.setdefault(alike, []).append(k)
+    rows = []
+    for name, (values, unit) in page.results().items():
+        some = [values[k][np.isfinite(values[k])] for k in sets.values()]
+        some = [v for v in some if len(v) > 1]
+        free = sum(len(v) - 1 for v in some)
+        if free:
+            deviation = math.sqrt(sum(float(np.var(v)) * len(v) for v in some) / free)
+            mean = float(np.mean([abs(v.mean()) for v in some]))
+            share = f"{100 * deviation / mean:.2g} %" if mean else ""
+            rows.append((name, _text(deviation, unit), share, str(free)))
+    if rows:
+        heads = ("result", "standard deviation of a member", "of the mean", "degrees of freedom")
+        note = "Members of a point differ by a jitter of a thousandth of a spacing."
+        page.tables.append(Table("Scatter by chance", heads, rows, note))
 
 
 def _add_design(page: Page) -> None:
@@ -254,7 +282,24 @@ def _add_pi(page: Page) -> None:
         )
     page.sentence += "."
     if good:
-        page.pictures.append(draw_pi(rows, curve, _what(study), page.folder))
+        band = _pressure_band(page)
+        page.pictures.append(draw_pi(rows, curve, (_what(study), band), page.folder))
+
+
+def _pressure_band(page: Page) -> float:
+    """Share by which pressures are open by the cells: that of the result over the slope of its
+    logarithm between the runs next to the limits; 0 without a certificate.
+    """
+    centre, limit = page.found.centre, page.study.limit
+    share = centre.share(limit.result) if centre is not None else math.nan
+    if not math.isfinite(share):
+        return 0.0
+    slopes = []
+    for _, one in page.found.limits:
+        near = sorted((x, y) for x, y in one.runs if y > 0)
+        slopes += [math.log(b[1] / a[1]) / math.log(b[0] / a[0]) for a, b in pairwise(near)
+                   if b[0] > a[0] and b[1] != a[1]]  # fmt: skip
+    return share / abs(float(np.median(slopes))) if slopes else share
 
 
 def _impulse(study: Study, names: dict) -> float:

@@ -145,9 +145,16 @@ def draw_shares(shares: dict[str, list[Share]], folder: Path) -> Picture | None:
 
 
 def draw_pi(
-    limits: list[tuple[float, float, Found]], curve: Hyperbola | None, what: str, folder: Path
+    limits: list[tuple[float, float, Found]],
+    curve: Hyperbola | None,
+    told: tuple[str, float],
+    folder: Path,
 ) -> Picture:
-    """P-I diagram: limits as (pressure [Pa], impulse [Pa s], search), hyperbola, charges."""
+    """P-I diagram: limits as (pressure [Pa], impulse [Pa s], search), hyperbola, charges.
+
+    `told`: what the limit is, and the share by which cells leave the loads open.
+    """
+    what, band = told
     figure, axis = new_figure(1, 4.6)
     p, i = (np.array([row[k] for row in limits]) for k in (0, 1))
     good = np.isfinite(p) & np.isfinite(i)
@@ -157,6 +164,11 @@ def draw_pi(
         level = curve.pressure(grid)
         axis.plot(grid / 1e3, level / 1e3, color=BLUE, lw=1.5,
                   label=f"(P/P0 - 1)(I/I0 - 1) = {curve.c:.3g}")  # fmt: skip
+        if band > 0:
+            ends = [(grid * f / 1e3, level * f / 1e3) for f in (1 - band, 1 + band)]
+            x, y = (np.concatenate([a, b[::-1]]) for a, b in zip(*ends, strict=True))
+            label = f"cells: +-{100 * band:.2g} %"
+            axis.fill(x, y, color=BLUE, alpha=0.18, lw=0, label=label)
         axis.axhline(curve.p0 / 1e3, color=GREY, lw=0.9, ls="--")
         axis.axvline(curve.i0 / 1e3, color=GREY, lw=0.9, ls="--")
         edge = i[good].max() / 1e3, p[good].max() / 1e3

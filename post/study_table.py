@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from post.runner import Outcome
-from post.study_file import Study
+from post.study_file import MEMBER, Study
 
 FIXED = {
     "point": "number of the point, from 1",
@@ -60,6 +60,9 @@ def columns_of(study: Study, points: list[dict], outcomes: list[Outcome]) -> lis
         values = [point.get(name, math.nan) for point in points]
         text = any(isinstance(v, str) for v in values)
         found.append(Column(name, "" if text else unit, "parameter", values))
+    if study.repeat > 1:
+        values = [point[MEMBER] for point in points]
+        found.append(Column(MEMBER, "", "number of the member: &solid seed", values))
     for name in result_names(study, outcomes):
         unit = next((o.units[name] for o in outcomes if name in o.units), "-")
         values = [one.values.get(name, math.nan) for one in outcomes]
@@ -78,8 +81,10 @@ def result_names(study: Study, outcomes: list[Outcome]) -> list[str]:
 
 
 def split_of(point: dict) -> str:
-    """Which part of a set for learning a point belongs to: by its values, never by its row."""
-    text = json.dumps({k: repr(v) for k, v in sorted(point.items())})
+    """Which part of a set for learning a point belongs to: by its values, never by its row; all
+    members of a point to the same.
+    """
+    text = json.dumps({k: repr(v) for k, v in sorted(point.items()) if k != MEMBER})
     share = int(hashlib.sha256(text.encode()).hexdigest()[:8], 16) / 2**32
     return "train" if share < 0.7 else "validation" if share < 0.85 else "test"
 
@@ -117,7 +122,7 @@ def write_manifest(
     folder: Path, study: Study, columns: list[Column], about: dict[str, str]
 ) -> Path:
     """`manifest.json`: files with their sums, columns with units, design, program."""
-    files = sorted(p for p in folder.glob("*") if p.suffix in (".csv", ".parquet", ".json"))
+    files = sorted(p for p in folder.glob("*") if p.suffix in (".csv", ".parquet", ".json", ".h5"))
     files = [p for p in files if p.name not in ("manifest.json", "index.json")]
     path = folder / "manifest.json"
     told = {

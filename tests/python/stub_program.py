@@ -5,7 +5,8 @@
 It knows `--version`, `run DECK --check --echo FILE` and `run DECK --out DIR`. The deck is one group
 &run with x, y, fail, wait and perhaps an &air with n cells; the gauge `mid` goes to x**1.5 * y
 (1 + 1/n) and stays there. A run with `fail` cells or less fails. STUB_LOG names a file that gets a
-line for each run that was begun.
+line for each run that was begun. Member `seed` is 1 + jitter seed times as large. A run with
+checkpoint_every leaves a checkpoint, and --branch FILE wants one.
 """
 
 import math
@@ -15,7 +16,8 @@ import sys
 import time
 from pathlib import Path
 
-DEFAULTS = {"t_end": "1.0", "x": "1.0", "y": "1.0", "fail": "0", "wait": "0.0"}
+DEFAULTS = {"t_end": "1.0", "x": "1.0", "y": "1.0", "fail": "0", "wait": "0.0",
+            "jitter": "0.0", "seed": "1"}  # fmt: skip
 
 
 def main(args):
@@ -28,7 +30,7 @@ def main(args):
     sets = [args[i + 1] for i, a in enumerate(args) if a == "--set"]
     values |= dict(one.split(".", 1)[1].split("=") for one in sets)
     cells = float(values["cells"].split(",")[0]) if "cells" in values else 0.0
-    unknown = set(values) - set(DEFAULTS) - {"cells", "history_every", "box"}
+    unknown = set(values) - set(DEFAULTS) - {"cells", "history_every", "box", "checkpoint_every"}
     if unknown:
         print(f"deck.nml:1: unknown key {unknown.pop()}", file=sys.stderr)
         return 2
@@ -45,6 +47,11 @@ def main(args):
             file.write(echo.replace("\n", " ") + "\n")
     out = Path(args[args.index("--out") + 1])
     out.mkdir(parents=True, exist_ok=True)
+    if "--branch" in args and not Path(args[args.index("--branch") + 1]).is_file():
+        print("no checkpoint to branch off", file=sys.stderr)
+        return 4
+    if "checkpoint_every" in values:
+        (out / "chk_000007.h5").write_text("state", encoding="utf-8")
     time.sleep(numbers["wait"])
     if numbers["fail"] > cells:
         print("the energy is out of its band", file=sys.stderr)
@@ -52,6 +59,7 @@ def main(args):
     gauge = "&gauge\n  id = 'mid'\n  body = 'p'\n  quantity = 'displacement_y'\n/\n"
     (out / "deck.echo.nml").write_text(echo + gauge, encoding="utf-8")
     size = numbers["x"] ** 1.5 * numbers["y"] * (1 + (1 / cells if cells else 0))
+    size *= 1 + numbers["jitter"] * numbers["seed"]
     rows = [f"{t / 100},{-size * math.sin(math.pi / 2 * min(t / 20, 1.0))!r}" for t in range(101)]
     text = "time[s],mid:displacement_y[m]\n" + "\n".join(rows) + "\n"
     (out / "gauges.csv").write_text(text, encoding="utf-8")

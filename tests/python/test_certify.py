@@ -15,7 +15,7 @@ sys.path[:0] = [str(HERE.parents[1]), str(HERE)]
 
 from post.__main__ import main  # noqa: E402
 from post.certificate import certificate_table, read_certificate  # noqa: E402
-from post.convergence import band_of, interval, observed_order  # noqa: E402
+from post.convergence import band_of, fit_scatter, interval, observed_order  # noqa: E402
 from post.deck import Deck  # noqa: E402
 from post.ensemble import scatter_of  # noqa: E402
 from post.partners import by_spacing, make_plan, misfit, ratio_for  # noqa: E402
@@ -62,9 +62,26 @@ def test_verdicts(f, verdict, promised, half):
     assert found.half == pytest.approx(half)
 
 
+def test_a_fourth_level_adds_its_scatter():
+    """On a fit nothing is added; off all of them at most what a straight line leaves."""
+    h = [1.0, 1.5, 2.25, 3.375]
+    for series in (lambda x: 1 + 0.1 * x**0.8, lambda x: 1 + 0.1 * x - 0.02 * x**2):
+        f = [series(x) for x in h]
+        assert fit_scatter(h, f) < 1e-4 * f[0]
+        assert interval(h, f, 1.0).half == pytest.approx(interval(h[:3], f[:3], 1.0).half, rel=1e-2)
+    f = [1.0, 1.02, 0.97, 1.05]
+    one, three = interval(h, f, 1.0), interval(h[:3], f[:3], 1.0)
+    assert one.half == pytest.approx(three.half + fit_scatter(h, f)) and one.promised
+    weight = 1 / np.array(h) / np.sum(1 / np.array(h))
+    columns = np.stack([np.ones(4), h], axis=1)
+    normal = columns.T @ (weight[:, None] * columns)
+    rest = columns @ np.linalg.solve(normal, columns.T @ (weight * f)) - f
+    assert 0 < fit_scatter(h, f) <= math.sqrt(4 * float(weight @ rest**2) / 2) + 1e-12
+
+
 def test_numbers_of_levels_that_are_refused():
     for h, f in (([1.0], [1.0]), ([1.0, 0.9], [1, 1]), ([1, 2, 3], [1, 1])):
-        with pytest.raises(ValueError, match="two or three levels"):
+        with pytest.raises(ValueError, match="two to four levels"):
             interval(h, f, 1.0)
 
 
@@ -112,6 +129,13 @@ def test_levels_of_layers(layers, numbers):
     assert f"body(plate).spacing={0.012 / numbers[1]!r}" in plan.levels[1].sets
     fixed = f"body(plate).fix_width={3 * (0.012 / layers)!r}"  # three layers of the user
     assert all(fixed in level.sets for level in plan.levels)
+
+
+def test_four_levels_share_the_budget():
+    plan = plan_of(24, most=4)
+    assert [level.numbers[0] for level in plan.levels] == [24, 14, 8, 5]
+    assert plan.extra == pytest.approx(0.25, abs=0.03)
+    assert [level.numbers[0] for level in plan_of(5, most=4).levels] == [5, 4, 3]
 
 
 def test_three_layers_have_no_coarser_partner():
@@ -193,6 +217,28 @@ def test_a_certificate(room, tmp_path, capsys):
     for title in ("Error against seconds", "Histories with bands", "Intervals", "Levels"):
         assert title in page
     assert room() == 0 and len((tmp_path / "begun.txt").read_text().splitlines()) == 3
+
+
+def test_a_certificate_of_four_levels(room, tmp_path, capsys):
+    assert room("--results", PEAK, "--levels", "4") == 0
+    assert "100 > 45 > 20 > 9" in capsys.readouterr().out
+    with (tmp_path / "o" / "certify.csv").open() as file:
+        row = next(r for r in csv.DictReader(file) if r["result"] == PEAK)
+    assert float(row["f4"]) < float(row["f1"]) and row["promised"] == "yes"
+    assert float(row["low"]) < -1 < float(row["high"])
+
+
+def test_an_ensemble_by_the_command(room, tmp_path, capsys):
+    """Members 1 to 4 are 1 + seed/1000 as large, at 100 cells and at 46; they run once."""
+    assert room("--results", PEAK, "--ensemble", "4") == 0
+    assert "Ensemble" in capsys.readouterr().out
+    made = json.loads((tmp_path / "o" / "certify.json").read_text())
+    found, alone = made["ensemble"][PEAK], abs(made["results"][PEAK]["value"])
+    assert found["members"] == 4 and found["mean"] == pytest.approx(-1.0025 * alone)
+    assert found["deviation"] == pytest.approx(1e-3 * alone * np.std([1, 2, 3, 4], ddof=1))
+    assert "Ensemble" in (tmp_path / "o" / "certify.html").read_text()
+    assert room("--results", PEAK, "--ensemble", "4") == 0
+    assert len((tmp_path / "begun.txt").read_text().splitlines()) == 3 + 8
 
 
 def test_the_report_takes_a_certificate_from_the_folder_of_a_run(room, tmp_path):

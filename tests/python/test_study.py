@@ -12,6 +12,7 @@ import sys
 import time
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
@@ -144,6 +145,7 @@ def test_formulas():
     assert evaluate(" steel ", names, "") == "rebar"
 
 
+ONE = '[parameter.x]\nvalues = [1]\nset = ["run.x"]\n'
 WRONG = {
     "no_toml": ("[study\n", 1, "is no TOML"),
     "no_deck": ('[study]\ndeck = "b.nml"\n', 2, "there is no deck"),
@@ -160,6 +162,14 @@ WRONG = {
     "key": ('[study]\ndeck = "a.nml"\n[parameter.x]\nvalues = [1]\nset = ["x"]\n', 5, "group.key"),
     "formula": ('[study]\ndeck = "a.nml"\n[parameter.x]\nvalues = [1]\nset = {"run.x" = "x*z"}\n',
                 5, "no number is called 'z'"),
+    "certify": ('[study]\ndeck = "a.nml"\ncertify = "all"\n' + ONE, 3, 'certify is "centre"'),
+    "repeat": ('[study]\ndeck = "a.nml"\nrepeat = 2\n[limit]\nunknown = "x"\nresult = "r"\n'
+               'target = 1\nlow = 1\nhigh = 2\nset = ["run.x"]\n', 3, "kind = 'fragility'"),
+    "late": ('[study]\ndeck = "a.nml"\nlate = "run.y"\n' + ONE, 3, "belong together"),
+    "start": ('[study]\ndeck = "a.nml"\nlate = "run.y"\nstart = 1\nstart_unit = "m"\n' + ONE,
+              4, "a time after 0"),
+    "late_key": ('[study]\ndeck = "a.nml"\nlate = "run.y"\nstart = 1\n' + ONE, 3,
+                 "no parameter sets run.y alone"),
     "bracket": ('[study]\ndeck = "a.nml"\n[limit]\nunknown = "x"\nresult = "r"\ntarget = 1\n'
                 'low = 3\nhigh = 2\nset = ["run.x"]\n', 7, "0 < low < high"),
 }  # fmt: skip
@@ -306,6 +316,79 @@ def test_a_study_that_is_killed_goes_on(room):
     assert room.study(text) == 0
     assert len(room.rows()) == 6 and room.begun() == before + 6 - complete
     assert before - complete <= 3 * 2  # lost were those that were going on
+
+
+def test_histories_lie_in_one_file(room):
+    """Points x 256 times, with units; points without results are not a number."""
+    rule = 'set = {"run.y" = "y", "run.fail" = "max(0, y - 9)"}'
+    text = GRID.format(jobs=2).replace('set = ["run.y"]', rule).replace("[1, 2, 3]", "[1]")
+    room.study(text)
+    with h5py.File(room.folder / "o" / "histories.h5") as file:
+        group = file["mid:displacement_y"]
+        assert group["value"].shape == group["time"].shape == (2, 256)
+        assert group["value"].attrs["unit"] == "m" and group["time"].attrs["unit"] == "s"
+        assert group["value"][0].min() == pytest.approx(-(1000**1.5) * 1e-3**1.5, rel=1e-3)
+        assert np.isnan(group["value"][1]).all()
+    told = json.loads((room.folder / "o" / "manifest.json").read_text())
+    assert "histories.h5" in told["files"]
+
+
+def test_members_of_a_point(room, page):
+    """Three members of two points, 1 and 10, each (1 + seed/1000) times as large: a deviation of
+    1e-3 sqrt((1 + 100)/2) about a mean of 5.5.
+    """
+    text = GRID.format(jobs=2).replace("[1, 2, 3]", "[1]")
+    assert room.study(text.replace("[study]", "[study]\nrepeat = 3")) == 0
+    rows = room.rows()
+    assert [row["seed"] for row in rows] == ["1", "2", "3"] * 2 and room.begun() == 6
+    assert len({row["split"] for row in rows[:3]}) == 1
+    peaks = np.array([float(row["mid:displacement_y peak[m]"]) for row in rows])
+    assert peaks[1:3] / peaks[0] == pytest.approx([1.002 / 1.001, 1.003 / 1.001])
+    told = (room.folder / "o" / "study.html").read_text()
+    assert "Scatter by chance" in told and "0.13 %" in told
+
+
+AIR = "&run t_end = 1 /\n&air box = 0,1,0,1,0,1, cells = 100,1,1 /\n"
+
+
+def test_the_certificate_of_the_centre(room, page):
+    """100 cells are 1 % off at any point: the interval of the middle goes with every row."""
+    (room.folder / "a.nml").write_text(AIR)
+    text = GRID.format(jobs=2).replace("[study]", '[study]\ncertify = "centre"')
+    assert room.study(text) == 0
+    shares = [float(row["U:mid:displacement_y peak[m]"]) / -float(row["mid:displacement_y peak[m]"])
+              for row in room.rows()]  # fmt: skip
+    assert shares == pytest.approx([shares[0]] * 6) and 0.01 < shares[0] < 0.05
+    assert (room.folder / "o" / "certify" / "certify.html").is_file()
+    told = (room.folder / "o" / "study.html").read_text()
+    assert "By cells, at the middle of the ranges: mid:displacement_y peak +-" in told
+    begun = room.begun()
+    assert room.study(text) == 0 and room.begun() == begun
+
+
+def test_a_centre_without_partners_is_told(room, page, capsys):
+    (room.folder / "a.nml").write_text(AIR.replace("100", "4"))
+    assert room.study(GRID.format(jobs=2).replace("[study]", '[study]\ncertify = "centre"')) == 0
+    assert "no certificate" in capsys.readouterr().err
+    assert not any(head.startswith("U:") for head in room.rows()[0])
+
+
+LATE = 'late = ["run.y"]\nstart = 5\nstart_unit = "ms"'
+
+
+def test_late_keys_share_their_beginning(room, capsys):
+    """y acts from 5 ms on: one beginning for each x, then a branch for each point."""
+    text = GRID.format(jobs=2).replace("[study]", f"[study]\n{LATE}")
+    assert room.study(text) == 0
+    assert room.begun() == 3 + 6 and "3 beginnings that runs share" in capsys.readouterr().out
+    log = (room.folder / "begun.txt").read_text()
+    assert log.count("t_end = 0.005") == 3
+    rows = room.rows()
+    assert [row["state"] for row in rows] == ["done"] * 6 and len({r["key"] for r in rows}) == 6
+    assert room.study(text) == 0 and room.begun() == 9
+    assert room.study(text.replace("[1, 10]", "[1, 10, 100]")) == 0 and room.begun() == 9 + 3
+    room.study(GRID.format(jobs=2))  # from their start they are other runs
+    assert room.begun() == 12 + 6
 
 
 # --- limits -------------------------------------------------------------------------------------
