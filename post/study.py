@@ -200,7 +200,7 @@ def _write(study: Study, out: Path, runner: Runner, found: Results) -> tuple[Res
     print(f"{len(found.outcomes)} runs, {known} known before, {spent:.1f} core-s; {page}")
     if runner.shared:
         begun = sum(one.seconds for one in runner.shared.values())
-        print(f"{len(runner.shared)} beginnings that runs share, {begun:.1f} core-s")
+        print(f"beginnings that runs share: {len(runner.shared)}, {begun:.1f} core-s")
     if found.stopped:
         print("stopped; the same command goes on", file=sys.stderr)
         return found, STOPPED

@@ -3,7 +3,10 @@
 the start, to the bit; what differs before the checkpoint is refused.
 """
 
+import csv
 import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 from test_gpu import EMULATOR, stamp
@@ -11,6 +14,10 @@ from test_gpu import run as on_gpu
 from test_loads import BRISANCE, STEEL
 from test_ranks import needs_mpirun, start
 from test_restart import ALONE, state
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+
+from post.__main__ import main
 
 LOAD = f"""\
 &run t_end=2e-5, energy_band=0.5 /
@@ -146,6 +153,37 @@ def test_a_branch_goes_on_where_it_was_stopped(tmp_path):
     assert code == 0, words
     rows = times(tmp_path / "branch", "gauges.csv")
     assert rows == times(tmp_path / "whole", "gauges.csv")
+
+
+LATE_STUDY = """\
+[study]
+deck = "deck.nml"
+{late}
+results = ["m:displacement_x end"]
+surrogate = false
+[parameter.p]
+values = [10, 90]
+unit = "MPa"
+set = {{"load(p).pressure" = "0,1e8,5e7,5e7,x,0"}}
+"""
+
+
+def test_a_study_of_what_acts_late(tmp_path):
+    """One beginning and two branches: the same as whole runs but for the step that is cut, with
+    histories from the start."""
+    (tmp_path / "deck.nml").write_text(LOAD)
+    ends = {}
+    for name, late in (("late", 'late = "load(p).pressure"\nstart = 1e-5'), ("whole", "")):
+        (tmp_path / f"{name}.toml").write_text(LATE_STUDY.format(late=late))
+        out = tmp_path / name
+        assert main(["study", str(tmp_path / f"{name}.toml"), "--out", str(out)]) == 0
+        rows = list(csv.DictReader((out / "study.csv").open()))
+        ends[name] = [float(row["m:displacement_x end[m]"]) for row in rows]
+        assert len(list((out / "runs").glob("*/result.json"))) == (3 if late else 2)
+        for row in rows:
+            assert min(times(out / "runs" / row["key"] / "out", "gauges.csv")) == 0
+    assert ends["late"] == pytest.approx(ends["whole"], rel=1e-3)
+    assert abs(ends["whole"][1] / ends["whole"][0]) > 2
 
 
 @needs_mpirun

@@ -380,7 +380,7 @@ def test_late_keys_share_their_beginning(room, capsys):
     """y acts from 5 ms on: one beginning for each x, then a branch for each point."""
     text = GRID.format(jobs=2).replace("[study]", f"[study]\n{LATE}")
     assert room.study(text) == 0
-    assert room.begun() == 3 + 6 and "3 beginnings that runs share" in capsys.readouterr().out
+    assert room.begun() == 3 + 6 and "beginnings that runs share: 3" in capsys.readouterr().out
     log = (room.folder / "begun.txt").read_text()
     assert log.count("t_end = 0.005") == 3
     rows = room.rows()
