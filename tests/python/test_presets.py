@@ -79,6 +79,17 @@ def test_keys_of_the_deck_win(tmp_path):
     assert float(found["zt"]) == 60e6
 
 
+def test_the_command_line_takes_another_preset(tmp_path):
+    """As a study does: the deck of the other preset, but for the keys that stand in the deck."""
+    echoes = []
+    for preset, more in (("mild_steel", ("--set", "material(m).preset=rebar")), ("rebar", ())):
+        (tmp_path / "a.nml").write_text(deck(preset, ", density=7777"))
+        code, text = run(tmp_path, "run", "a.nml", "--check", "--echo", "e.nml", *more)
+        assert code == 0, text
+        echoes.append((tmp_path / "e.nml").read_text())
+    assert echoes[0] == echoes[1] and keys_of(echoes[0])["density"] == "7777.0"
+
+
 def test_list_and_file(tmp_path):
     """--describe presets has a line for each; --describe NAME prints the file."""
     code, text = run(tmp_path, "--describe", "presets")
