@@ -16,6 +16,7 @@ import math
 import os
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 import threading
@@ -33,6 +34,7 @@ from post.results import results
 
 MEASURED = 1  # version of what is measured: a change measures nothing anew, it runs anew
 STOPPED = 75  # exit code of a run that was stopped with a checkpoint
+UNHEARD = 128 + signal.SIGUSR2  # of one that was asked to stop before it could hear it
 NOT_MEANING = ("&output",)  # groups that do not change what a run computes
 NOT_KEYS = ("title", "backend")  # keys that do not
 FILES = re.compile(r"=\s*['\"]([^'\"\n]+\.(?:stl|csv|h5|vtkhdf|txt))['\"]", re.IGNORECASE)
@@ -357,8 +359,8 @@ class Runner:
         device = "cpu" if slot.gpu is None else f"gpu {slot.gpu}"
         seconds = spent if slot.gpu is None else time.monotonic() - start
         outcome = Outcome(check.key, "done", code, seconds, device)
-        if code == STOPPED:
-            outcome.state = "stopped"
+        if code == STOPPED or (self.stopping.is_set() and code == UNHEARD):
+            outcome.state, outcome.code = "stopped", STOPPED
             return outcome  # no result: the same command goes on
         if code:
             outcome.state, outcome.message = "failed", _last_words(place / "log.txt", code)

@@ -6,12 +6,13 @@ It knows `--version`, `run DECK --check --echo FILE` and `run DECK --out DIR`. T
 &run with x, y, fail, wait and perhaps an &air with n cells; the gauge `mid` goes to x**1.5 * y
 (1 + 1/n) and stays there. A run with `fail` cells or less fails. STUB_LOG names a file that gets a
 line for each run that was begun. Member `seed` is 1 + jitter seed times as large. A run with
-checkpoint_every leaves a checkpoint, and --branch FILE wants one.
+checkpoint_every leaves a checkpoint, and --branch FILE wants one; USR2 ends one with code 75.
 """
 
 import math
 import os
 import re
+import signal
 import sys
 import time
 from pathlib import Path
@@ -42,6 +43,7 @@ def main(args):
         Path(args[args.index("--echo") + 1]).write_text(echo, encoding="utf-8")
         print("time         about 1.0 s of one core, 0.5 s on 2 here, if all is active")
         return 0
+    signal.signal(signal.SIGUSR2, lambda *_: sys.exit(75))
     if log := os.environ.get("STUB_LOG"):
         with Path(log).open("a", encoding="utf-8") as file:
             file.write(echo.replace("\n", " ") + "\n")

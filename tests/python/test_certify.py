@@ -275,6 +275,12 @@ def test_arguments_that_are_wrong(room, capsys, more, word):
     assert word in capsys.readouterr().err
 
 
+def test_a_result_that_is_asked_for_and_not_promised(room, capsys):
+    """With two levels alone nothing is: code 1."""
+    assert room("--results", PEAK, n=5) == 1
+    assert "two levels only" in capsys.readouterr().out
+
+
 def test_a_scene_that_cannot_be_coarser(room, capsys):
     assert room(n=4) == 2
     assert "no coarser partner" in capsys.readouterr().err

@@ -391,6 +391,17 @@ def test_late_keys_share_their_beginning(room, capsys):
     assert room.begun() == 12 + 6
 
 
+def test_a_study_that_is_stopped_goes_on(room, capsys):
+    """Code 75, rows of what was done; the same command runs the others alone."""
+    text = GRID.format(jobs=1) + '[parameter.w]\nvalues = [0.4]\nset = ["run.wait"]\n'
+    assert room.study(text, "--stop-after", "1.2") == 75
+    assert "the same command goes on" in capsys.readouterr().err
+    states = [row["state"] for row in room.rows()]
+    assert set(states) <= {"done", "stopped"} and "stopped" in states
+    begun = room.begun()
+    assert room.study(text) == 0 and room.begun() == begun + states.count("stopped")
+
+
 # --- limits -------------------------------------------------------------------------------------
 
 LIMIT = """[study]
