@@ -9,7 +9,7 @@ than `DUST` particles and failed particles are dust: their mass counts, they are
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -88,9 +88,36 @@ class Outcome:
     before: Cloud
 
 
-def find_shots(deck: Deck) -> list[Shot]:
-    """Each moving body with the box at rest that its straight way meets first."""
+def shots_of(run: Run) -> list[Shot]:
+    """The shots of a run; where a body comes from a file, its box is that of its particles."""
+    return find_shots(run.deck, _boxes_of_files(run))
+
+
+def _boxes_of_files(run: Run) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Corners of the unloaded bodies that come from files, mirror images included."""
+    unknown = [b for b in run.deck.bodies() if not (b.high > b.low).any()]
+    frame = next((f for f in run.frames if f.solid_path), None)
+    if not unknown or frame is None:
+        return {}
+    solid, found = frame.solid("displacement", "body"), {}
+    mirrors = np.array(run.deck.mirrors, bool)
+    for body in unknown:
+        own = (solid.field["body"] == body.number) & solid.known
+        if own.any():
+            rest = solid.points[own] - solid.field["displacement"][own]
+            low, high = rest.min(axis=0) - body.spacing / 2, rest.max(axis=0) + body.spacing / 2
+            found[body.id] = np.where(mirrors, -high, low), high
+    return found
+
+
+def find_shots(deck: Deck, boxes: dict | None = None) -> list[Shot]:
+    """Each moving body with the box at rest that its straight way meets first; `boxes`: low and
+    high corners of bodies of which the deck tells none.
+    """
     bodies, moves = deck.bodies(), {}
+    boxes_of = boxes or {}
+    bodies = [replace(b, low=boxes_of[b.id][0], high=boxes_of[b.id][1]) if b.id in boxes_of else b
+              for b in bodies]  # fmt: skip
     for body, group in zip(bodies, deck.groups("body"), strict=True):
         moves[body.id] = np.array((as_list(group.get("velocity")) + [0.0] * 3)[:3], float)
     found = []

@@ -25,7 +25,7 @@ from post.energies import material_energies
 from post.errors import PostError
 from post.face import face_map, thin_faces
 from post.gauges import PRESSURES, Gauge, list_gauges, measure
-from post.impact import Cloud, Outcome, Shot, find_shots, measure_shot
+from post.impact import Cloud, Outcome, Shot, measure_shot, shots_of
 from post.perforation import LEAST, Plate, load_plate, measure_perforation
 from post.reader import Frame, Run
 from post.tables import Table
@@ -152,7 +152,7 @@ def _of_materials(run: Run) -> Iterator[Result]:
 
 
 def _of_shots(run: Run) -> Iterator[Result]:
-    for shot in find_shots(run.deck):
+    for shot in shots_of(run):
         try:
             outcome = measure_shot(run, shot)
         except PostError:
@@ -199,7 +199,7 @@ def struck_sides(run: Run, body: Body) -> dict[int, str]:
     Front is the face that a shot meets first, or that looks at the only charge.
     """
     normal = int(np.argmin(body.high - body.low))
-    for shot in find_shots(run.deck):
+    for shot in shots_of(run):
         if shot.target.id == body.id:
             return {shot.side: "front", -shot.side: "rear"}
     places = [group.get("at") for group in run.deck.groups("charge")]

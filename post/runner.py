@@ -32,7 +32,7 @@ from post.processes import TOO_LONG, Processes
 from post.reader import Run
 from post.results import results
 
-MEASURED = 1  # version of what is measured: a change measures nothing anew, it runs anew
+MEASURED = 2  # version of what is measured: a change measures nothing anew, it runs anew
 STOPPED = 75  # exit code of a run that was stopped with a checkpoint
 UNHEARD = 128 + signal.SIGUSR2  # of one that was asked to stop before it could hear it
 NOT_MEANING = ("&output",)  # groups that do not change what a run computes

@@ -21,7 +21,7 @@ from test_perforation import Made  # noqa: E402
 from post.crater import face_loss  # noqa: E402
 from post.damage import damaged_volumes  # noqa: E402
 from post.deflection import measure_deflection, permanent_set  # noqa: E402
-from post.impact import find_shots, measure_shot  # noqa: E402
+from post.impact import find_shots, measure_shot, shots_of  # noqa: E402
 from post.perforation import load_plate  # noqa: E402
 from post.reader import Run  # noqa: E402
 from post.results import results, results_table, vertex  # noqa: E402
@@ -246,6 +246,23 @@ SMALL = """
       velocity=800,0,0 /
 &output history_every=2e-7 /
 """
+
+
+def test_a_rod_from_a_file_is_a_shot(tmp_path):
+    """Its box is that of its particles, with their images: 25.4 mm thick, from z = 0.185 m on."""
+    jobs = HERE.parents[1] / "inputs" / "jobs"
+    deck = (jobs / "rod_concrete.nml").read_text().replace("ogive_rod.stl", f"{jobs}/ogive_rod.stl")
+    (tmp_path / "a.nml").write_text(deck)
+    coarse = ("--set", "body(slab).spacing=0.03", "--set", "run.max_steps=1")
+    subprocess.run([BINARY, "run", "a.nml", "--out", "o", *coarse], cwd=tmp_path, check=True,
+                   capture_output=True)  # fmt: skip
+    run = Run(tmp_path / "o")
+    assert find_shots(run.deck) == []
+    (shot,) = shots_of(run)
+    assert (shot.projectile.id, shot.target.id, shot.side) == ("rod", "slab", 1)
+    assert shot.diameter == pytest.approx(0.0254, rel=0.1)
+    assert shot.projectile.low[2] == pytest.approx(0.185, abs=0.004)
+    assert {r.name: r.remark for r in results(run)}["rod velocity_now"] == "not finished"
 
 
 def test_a_rod_through_a_plate(tmp_path):
