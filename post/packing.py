@@ -115,14 +115,13 @@ def _axis_of(members: list[Deck]) -> tuple[int, float]:
     for axis in range(dimension):
         if mirrors[axis]:
             continue
-        ends = [(b.low[axis], b.high[axis]) for deck in members for b in deck.bodies()]
+        ends = [(float(b.low[axis]), float(b.high[axis])) for deck in members for b in deck.bodies()]
         lengths[axis] = max(high for _, high in ends) - min(low for low, _ in ends)
     if not lengths:
         raise NotPackable("there are planes of symmetry across all axes")
     axis = min(lengths, key=lengths.get)
-    across = max(
-        float(b.high[d] - b.low[d]) for deck in members for b in deck.bodies() for d in range(dimension)
-    )
+    bodies = [body for deck in members for body in deck.bodies()]
+    across = max(float(b.high[d] - b.low[d]) for b in bodies for d in range(dimension))
     return axis, APART * max(lengths[axis], 0.1 * across)
 
 

@@ -28,6 +28,7 @@ from functools import cached_property
 from pathlib import Path
 
 from post.errors import USAGE, PostError
+from post.packing import NotPackable, Pack, pack, share_out
 from post.processes import TOO_LONG, Processes
 from post.reader import Run
 from post.results import results
@@ -311,6 +312,50 @@ class Runner:
             known = self._known(check.key)  # another study may have had it meanwhile
             return known or self._compute(job, check, slot, lock)
 
+    def run_all(self, jobs: list[Job], slot: Slot) -> list[Outcome]:
+        """Outcomes of jobs: several that nobody knows go in one run where they can."""
+        checks = [self.store.check(job) for job in jobs]
+        fresh = {c.key: (job, c) for job, c in zip(jobs, checks, strict=True)
+                 if not c.code and job.begin is None and self._known(c.key) is None}  # fmt: skip
+        found: dict[str, Outcome] = {}
+        if len(fresh) > 1 and not self.stopping.is_set():
+            with suppress(NotPackable):  # they run one by one
+                packed = pack([check.echo for _, check in fresh.values()])
+                found = self._compute_pack(packed, list(fresh.values()), slot)
+        return [found.pop(check.key, None) or self.run(job, slot)
+                for job, check in zip(jobs, checks, strict=True)]  # fmt: skip
+
+    def _compute_pack(
+        self, packed: Pack, members: list[tuple[Job, Check]], slot: Slot
+    ) -> dict[str, Outcome]:
+        """Outcomes of members by their keys; none where the run fails: one of them may be why."""
+        keys = "".join(check.key for _, check in members)
+        key = "pack_" + hashlib.sha256(keys.encode()).hexdigest()[:16]
+        files = [path for job, _ in members for path in _files_of(job)]
+        with self.store.claim(key) as lock:
+            place = self.store.place(key)
+            _write_deck(place, Job(packed.text, members[0][0].home), files)
+            command = [str(self.store.program.path), "run", "deck.nml", "--out", "out", "--replace"]
+            start = time.monotonic()
+            code, spent = self._start(command, place, slot, lock)
+            seconds = spent if slot.gpu is None else time.monotonic() - start
+            if code == STOPPED or (self.stopping.is_set() and code == UNHEARD):
+                return {c.key: Outcome(c.key, "stopped", STOPPED) for _, c in members}
+            if code:
+                return {}
+            folders = [self.store.place(check.key) / "out" for _, check in members]
+            share_out(place / "out", packed, folders)
+            shutil.rmtree(place, ignore_errors=True)
+        device = f"{_name(slot)}, {packed.members} at once"
+        found = {}
+        for (_, check), folder in zip(members, folders, strict=True):
+            (folder / "deck.echo.nml").write_text(check.echo)
+            outcome = Outcome(check.key, "done", 0, seconds / packed.members, device)
+            self._measure(folder, outcome)
+            self.store.save(outcome)
+            found[check.key] = outcome
+        return found
+
     def _begin(self, job: Job, slot: Slot) -> Outcome:
         """The beginning that runs share; it keeps its checkpoint."""
         key = self.store.check(job).key
@@ -349,16 +394,10 @@ class Runner:
             shutil.rmtree(out, ignore_errors=True)
             first = self.store.checkpoint(self.store.check(job.begin).key)
             command += ["--branch", str(first)]
-        command += ["--backend", "cpu" if slot.gpu is None else "gpu"]
-        environment = os.environ | {"OMP_NUM_THREADS": str(slot.threads)}
-        if slot.gpu is not None:
-            environment["CUDA_VISIBLE_DEVICES"] = str(slot.gpu)
         start = time.monotonic()
-        with (place / "log.txt").open("a") as log:
-            code, spent = self.processes.run(command, log, place, environment, (lock,))
-        device = "cpu" if slot.gpu is None else f"gpu {slot.gpu}"
+        code, spent = self._start(command, place, slot, lock)
         seconds = spent if slot.gpu is None else time.monotonic() - start
-        outcome = Outcome(check.key, "done", code, seconds, device)
+        outcome = Outcome(check.key, "done", code, seconds, _name(slot))
         if code == STOPPED or (self.stopping.is_set() and code == UNHEARD):
             outcome.state, outcome.code = "stopped", STOPPED
             return outcome  # no result: the same command goes on
@@ -369,6 +408,15 @@ class Runner:
         self.store.save(outcome)
         self._clear(out, keep)
         return outcome
+
+    def _start(self, command: list[str], place: Path, slot: Slot, lock: int) -> tuple[int, float]:
+        """Run a command of the program in a slot: exit code and core-seconds."""
+        command = [*command, "--backend", "cpu" if slot.gpu is None else "gpu"]
+        environment = os.environ | {"OMP_NUM_THREADS": str(slot.threads)}
+        if slot.gpu is not None:
+            environment["CUDA_VISIBLE_DEVICES"] = str(slot.gpu)
+        with (place / "log.txt").open("a") as log:
+            return self.processes.run(command, log, place, environment, (lock,))
 
     def _measure(self, out: Path, outcome: Outcome) -> None:
         """Results of a run that has ended well."""
@@ -387,6 +435,11 @@ class Runner:
             named = any(path.match(pattern) for pattern in keep)
             if path.suffix in (".vtkhdf", ".h5", ".series") and not named:
                 path.unlink()
+
+
+def _name(slot: Slot) -> str:
+    """'cpu' or 'gpu 0'."""
+    return "cpu" if slot.gpu is None else f"gpu {slot.gpu}"
 
 
 def _last_words(log: Path, code: int) -> str:

@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from collections import Counter
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -64,6 +65,7 @@ class Pool:
         self.runner = runner
         self._short: queue.PriorityQueue = queue.PriorityQueue()
         gpus = [slot for slot in slots if slot.gpu is not None]
+        self.has_gpu = bool(gpus)
         cores = [slot for slot in slots if slot.gpu is None]
         self._long = queue.PriorityQueue() if gpus and cores else self._short
         self._count = 0
@@ -74,18 +76,25 @@ class Pool:
 
     def submit(self, job: Job, cost: float = 0.0) -> Future:
         """An outcome to come; `cost` in core-seconds."""
+        return self._put(lambda slot: self.runner.run(job, slot), cost)
+
+    def submit_all(self, jobs: list[Job], cost: float) -> Future:
+        """A list of outcomes to come, of one run where the jobs fit into one."""
+        return self._put(lambda slot: self.runner.run_all(jobs, slot), cost)
+
+    def _put(self, work: Callable[[Slot], object], cost: float) -> Future:
         future: Future = Future()
         line = self._long if cost > SMALL else self._short
         with self._lock:
             self._count += 1
-            line.put((-cost if math.isfinite(cost) else 0.0, self._count, job, future))
+            line.put((-cost if math.isfinite(cost) else 0.0, self._count, work, future))
         return future
 
     def _work(self, slot: Slot, line: queue.PriorityQueue) -> None:
         while True:
-            _, _, job, future = line.get()
+            _, _, work, future = line.get()
             try:
-                future.set_result(self.runner.run(job, slot))
+                future.set_result(work(slot))
             except BaseException as error:  # goes to who waits for it
                 future.set_exception(error)
 
@@ -101,13 +110,14 @@ class Progress:
         self._told = 0.0
         self._lock = threading.Lock()
 
-    def add(self, outcome: Outcome) -> None:
-        """Count a run that has ended."""
+    def add(self, *outcomes: Outcome) -> None:
+        """Count runs that have ended."""
         with self._lock:
-            self.done += 1
-            self.known += outcome.known
-            if outcome.state in ("failed", "refused"):
-                self.failed[outcome.message.splitlines()[0] if outcome.message else "?"] += 1
+            self.done += len(outcomes)
+            self.known += sum(one.known for one in outcomes)
+            for one in outcomes:
+                if one.state in ("failed", "refused"):
+                    self.failed[one.message.splitlines()[0] if one.message else "?"] += 1
             now = time.monotonic()
             if self.stream.isatty():
                 print(f"\r{self.line()}\x1b[K", end="", file=self.stream, flush=True)
@@ -306,14 +316,15 @@ def _run_design(study: Study, runner: Runner, pool: Pool, progress: Progress) ->
     points = study.points()
     progress.total = len(points)
     waiting = []
-    for point in points:
-        job = study.job(point)
-        future = pool.submit(job, runner.store.check(job).seconds)
-        future.add_done_callback(lambda f: f.exception() or progress.add(f.result()))
+    size = study.pack if pool.has_gpu else 1
+    for k in range(0, len(points), size):
+        jobs = [study.job(point) for point in points[k : k + size]]
+        future = pool.submit_all(jobs, sum(runner.store.check(job).seconds for job in jobs))
+        future.add_done_callback(lambda f: f.exception() or progress.add(*f.result()))
         waiting.append(future)
     outcomes, given_up = [], False
     for future in waiting:
-        outcomes.append(future.result())
+        outcomes += future.result()
         bad = sum(one.state == "failed" for one in outcomes)
         if bad >= LEAST_FAILED and bad > TOO_MANY * len(points):
             given_up = True

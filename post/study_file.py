@@ -59,8 +59,9 @@ KEYS = {
         "along",
         "rising",
     ),
-    "slots": ("jobs", "threads", "gpus", "share", "time_limit"),
+    "slots": ("jobs", "threads", "gpus", "share", "pack", "time_limit"),
 }
+PACK = 64  # members of a run on a GPU, see post/packing.py
 MEMBER = "seed"  # name of the number of a member in points and tables
 KEY = re.compile(r"\w+(\([^()]+\))?\.\w+")  # as --set takes it
 PLACE = re.compile(r"\{([^{}]+)\}")
@@ -112,6 +113,13 @@ class Study:
         if self.repeat == 1:
             return points
         return [point | {MEMBER: k} for point in points for k in range(1, self.repeat + 1)]
+
+    @property
+    def pack(self) -> int:
+        """Members that go in one run on a GPU: results of gauges and bodies alone are theirs."""
+        wanted = [*self.results, *([self.limit.result] if self.limit else [])]
+        own = bool(wanted) and all(":" in name for name in wanted)
+        return int(self.slots.get("pack", PACK)) if own else 1
 
     @property
     def centre(self) -> dict:
@@ -454,6 +462,8 @@ class _Reader:
             if not found:
                 raise self.wrong("slots", "time_limit", f"'{text}': write 90 s, 10 min or 2 h")
             table["time_limit"] = float(found[1]) * {"s": 1, "min": 60, "h": 3600}[found[2]]
+        if not isinstance(table.get("pack", 1), int) or table.get("pack", 1) < 1:
+            raise self.wrong("slots", "pack", "pack is a number of members, 1 or more")
         return table
 
     def _placeholders(self, study: Study) -> None:
