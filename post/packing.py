@@ -111,16 +111,16 @@ def _axis_of(members: list[Deck]) -> tuple[int, float]:
     """Axis without a plane of symmetry along which members are shortest, and their pitch [m]."""
     dimension = int(members[0].get("run", "dimension", 3))
     mirrors = members[0].mirrors
+    bodies = [body for deck in members for body in deck.bodies()]
     lengths = {}
     for axis in range(dimension):
         if mirrors[axis]:
             continue
-        ends = [(float(b.low[axis]), float(b.high[axis])) for deck in members for b in deck.bodies()]
-        lengths[axis] = max(high for _, high in ends) - min(low for low, _ in ends)
+        low, high = min(b.low[axis] for b in bodies), max(b.high[axis] for b in bodies)
+        lengths[axis] = float(high - low)
     if not lengths:
         raise NotPackable("there are planes of symmetry across all axes")
     axis = min(lengths, key=lengths.get)
-    bodies = [body for deck in members for body in deck.bodies()]
     across = max(float(b.high[d] - b.low[d]) for b in bodies for d in range(dimension))
     return axis, APART * max(lengths[axis], 0.1 * across)
 

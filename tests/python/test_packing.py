@@ -11,8 +11,8 @@ from post.runner import Job, Program, Runner, Slot, Store, find_program
 
 STRIP = """Half of a clamped strip of mild steel under an impulse.
 &run t_end = 1e-4, dimension = 2, symmetry = 'x' /
-&material id = 'm', model = 'bilinear_j2', density = 7850, youngs_modulus = 200e9, poisson_ratio = 0.3
-  yield_stress = 290e6, tangent_modulus = 0.5e9 /
+&material id = 'm', model = 'bilinear_j2', density = 7850, youngs_modulus = 200e9
+  poisson_ratio = 0.3, yield_stress = 290e6, tangent_modulus = 0.5e9 /
 &body id = 'strip', box = -0.25, 0.25, -0.012, 0, 0, 1, spacing = 0.004, material = 'm'
   fix = 'x-', 'x+', fix_width = 0.05 /
 &load id = 'p', body = 'strip', faces = 'y+', time = 0, 1e-4, pressure = {pressure}e6, 0 /
