@@ -35,7 +35,7 @@ HELD_ALONE = {"run": ("title", "backend")}  # keys of them that may differ
 APART = 2.0  # pitch of the members over the length of the longest
 
 
-class NotPackable(Exception):  # noqa: N818 (a reason, no fault)
+class NotPackable(Exception):
     """Why members cannot go in one run."""
 
 
