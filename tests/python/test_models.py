@@ -42,8 +42,8 @@ def test_a_file_is_a_model_on_both_backends(tmp_path):
     place = listed.splitlines().index("    use brz_kinds, only: rk") + 1
     assert f'# {place} "{tmp_path / "model_list.f90"}"\n    use brz_kinds, only: rk' in listed
     kernels = (tmp_path / "model_kernels.CUF").read_text()
-    assert "call advance_point(twig, 8, n, dt, body, material, grad, state, &" in kernels
-    assert "call advance_point(leaf, 1, n, dt, body, material, grad, state, &" in kernels
+    assert "call advance_point(twig, 8, n, dt, tiles, bodies, grad, state, &" in kernels
+    assert "call advance_point(leaf, 1, n, dt, tiles, bodies, grad, state, &" in kernels
 
 
 def test_a_metal_is_a_flow_stress(tmp_path):
