@@ -3,8 +3,7 @@
 
 Kingery-Bulmash in air and on the ground: `blast.free_air`, `blast.surface`, tables
 `data/kb_free_air.csv` and `data/kb_surface.csv`, which the loads of the program agree with
-(tests/python/test_loads.py). Constants of the others: `data/reference_curves.toml`. THOR is left
-out: its coefficients could not be verified in two places.
+(tests/python/test_loads.py). Constants of the others: `data/reference_curves.toml`.
 """
 
 from __future__ import annotations
@@ -82,6 +81,40 @@ def lambert_jonas(velocity, limit: float, a: float, p: float) -> np.ndarray:
     """v_r = a (v^p - limit^p)^(1/p) [m/s], 0 below the limit; `velocity` [m/s] of any shape."""
     v = np.maximum(np.asarray(velocity, float) / limit, 1.0)
     return a * limit * (v**p - 1) ** (1 / p)
+
+
+GRAIN, INCH, FOOT = 6.479891e-5, 0.0254, 0.3048  # [kg], [m], [m]
+
+
+def thor(velocity, mass: float, area: float, thickness: float, angle: float = 0.0) -> np.ndarray:
+    """Residual velocity [m/s] of a compact steel fragment behind a plate of mild steel, by THOR.
+
+    `velocity` [m/s] of any shape; `mass` [kg] and mean presented `area` [m2] of the fragment,
+    `thickness` [m], `angle` [rad] from the normal. 0 where it does not pass. ValueError for numbers
+    that are not positive, or an angle of a right angle and more.
+    """
+    v = np.asarray(velocity, float)
+    lost = _thor_factor(mass, area, thickness, angle) * (v / FOOT) ** _thor_power() * FOOT
+    return np.maximum(v - lost, 0.0)
+
+
+def thor_limit(mass: float, area: float, thickness: float, angle: float = 0.0) -> float:
+    """Velocity [m/s] at which `thor` leaves nothing; arguments and errors are the same."""
+    return _thor_factor(mass, area, thickness, angle) ** (1 / (1 - _thor_power())) * FOOT
+
+
+def _thor_power() -> float:
+    return constants("thor_mild_steel")["velocity"]
+
+
+def _thor_factor(mass: float, area: float, thickness: float, angle: float) -> float:
+    """What the velocity, to its power, is multiplied by, in ft/s, grains and inches."""
+    if min(mass, area, thickness) <= 0 or not 0 <= angle < math.pi / 2:
+        raise ValueError("THOR: mass, area and thickness must be positive, the angle below 90 deg")
+    c = constants("thor_mild_steel")
+    volume = thickness / INCH * area / INCH**2
+    return (10 ** c["log"] * volume ** c["volume"] * (mass / GRAIN) ** c["mass"]
+            / math.cos(angle) ** c["secant"])  # fmt: skip
 
 
 @dataclass(frozen=True)

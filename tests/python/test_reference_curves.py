@@ -24,6 +24,8 @@ from post.reference_curves import (  # noqa: E402
     lambert_jonas,
     nurick_martin,
     recht_ipson,
+    thor,
+    thor_limit,
 )
 
 SQUARE = ClampedPlate(1.6e-3, 7850, 290e6, sides=(0.089, 0.089))
@@ -112,3 +114,20 @@ def test_the_report_has_the_line_where_it_applies(tmp_path):
     (row,) = compare(Run(tmp_path / "plate"), [line])
     assert row.quantity == "permanent set" and row.measured == pytest.approx(14e-3, rel=1e-3)
     assert plate_references(Run(tmp_path / "soft")) == []  # hardly bends: out of range
+
+
+def test_thor_is_its_hand_calculation():
+    """A .50 fragment simulator, 12.57 mm and 207 grains, on 10 mm: 1909.6 ft/s are lost at 1 km/s."""
+    shot = {"mass": 207 * 6.479891e-5, "area": math.pi / 4 * 12.57e-3**2, "thickness": 10e-3}
+    assert thor(1000.0, **shot) == pytest.approx(418, abs=1)
+    limit = thor_limit(**shot)
+    assert limit == pytest.approx(576, abs=1)
+    assert thor([0.99 * limit, limit, 1.01 * limit], **shot) == pytest.approx([0, 0, 5.7], abs=0.1)
+    assert thor_limit(**shot, angle=math.pi / 4) == pytest.approx(
+        limit * math.sqrt(2) ** (1.262 / 0.981), rel=1e-9
+    )
+    thin = shot | {"thickness": 5e-3}
+    assert thor_limit(**thin) == pytest.approx(limit * 0.5 ** (0.889 / 0.981), rel=1e-9)
+    for wrong in ({"mass": 0.0}, {"thickness": -1.0}, {"angle": math.pi / 2}):
+        with pytest.raises(ValueError, match="THOR"):
+            thor(500.0, **shot | wrong)

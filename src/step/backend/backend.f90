@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Where a scene is computed: air, bodies and their coupling on the CPU or on a GPU.
 module brz_backend
+    use, intrinsic :: iso_fortran_env, only: error_unit
     use brz_coupling_state, only: coupling_t
     use brz_device, only: device_t, load_kernels, open_device
     use brz_errors, only: error_t, exit_device, failed, raise
@@ -38,6 +39,7 @@ contains
         if (failed(err) .or. wanted == 'cpu') return
         call open_device(backend%device, trial, ranks%place)
         if (wanted == 'auto' .and. failed(trial)) return
+        if (ranks%rank == 0 .and. .not. failed(trial)) call tell_of_first_start()
         call load_kernels(kernel_file(), device_code, trial)
         backend%on_gpu = has_air .and. .not. failed(trial)
         backend%bodies_on_gpu = has_solid .and. .not. failed(trial)
@@ -50,6 +52,22 @@ contains
             note = 'the scene runs on the CPU: '//trial%text
         end if
     end subroutine choose_backend
+
+    !> Say what a user waits for where the driver has not kept any code that it has compiled: it does
+    !> so for the card at hand, once.
+    subroutine tell_of_first_start()
+        character(4096) :: folder
+        logical :: kept
+
+        call get_environment_variable('CUDA_CACHE_PATH', folder)
+        if (folder == '') then
+            call get_environment_variable('HOME', folder)
+            folder = trim(folder)//'/.nv/ComputeCache'
+        end if
+        inquire (file=trim(folder)//'/index', exist=kept)
+        if (.not. kept) write (error_unit, '(a)') &
+            'the driver compiles the GPU code for this card, once: some 20 s'
+    end subroutine tell_of_first_start
 
     !> Decide on what the scene holds once it is set up.
     subroutine settle_backend(wanted, solid, coupling, backend, note, err)
