@@ -117,7 +117,7 @@ def test_the_report_has_the_line_where_it_applies(tmp_path):
 
 
 def test_thor_is_its_hand_calculation():
-    """A .50 fragment simulator, 12.57 mm and 207 grains, on 10 mm: 1909.6 ft/s are lost at 1 km/s."""
+    """A .50 fragment simulator, 12.57 mm, 207 grains, on 10 mm: 1909.6 ft/s are lost at 1 km/s."""
     shot = {"mass": 207 * 6.479891e-5, "area": math.pi / 4 * 12.57e-3**2, "thickness": 10e-3}
     assert thor(1000.0, **shot) == pytest.approx(418, abs=1)
     limit = thor_limit(**shot)

@@ -53,8 +53,8 @@ contains
         end if
     end subroutine choose_backend
 
-    !> Say what a user waits for where the driver has not kept any code that it has compiled: it does
-    !> so for the card at hand, once.
+    !> Say what a user waits for where the driver has not kept any code that it has compiled: it
+    !> does so for the card at hand, once.
     subroutine tell_of_first_start()
         character(4096) :: folder
         logical :: kept
