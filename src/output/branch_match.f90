@@ -5,7 +5,7 @@
 !> points, and in the histories of loads, inflows and motions as far as they lie behind the
 !> checkpoint: up to it both must be the same function of time.
 module brz_branch_match
-    use brz_checkpoint_match, only: first_difference
+    use brz_checkpoint_match, only: first_difference, quoted
     use brz_key, only: key_t
     use brz_kinds, only: dp, real32
     use brz_text, only: string_t, to_text
@@ -58,14 +58,6 @@ contains
             if (fault == '') call compare(there(g)%s, here(g)%s, time, fault)
         end do
     end subroutine branch_fault
-
-    pure function quoted(line) result(text)
-        character(*), intent(in) :: line
-        character(:), allocatable :: text
-
-        text = '"'//line//'"'
-        if (line == '') text = 'nothing more'
-    end function quoted
 
     !> A deck without what may differ.
     pure function common(deck) result(text)

@@ -12,7 +12,7 @@ module brz_checkpoint
     use brz_case, only: case_t
     use brz_checkpoint_check, only: check_state
     use brz_branch_match, only: branch_fault
-    use brz_checkpoint_match, only: first_difference
+    use brz_checkpoint_match, only: first_difference, quoted
     use brz_checkpoint_state, only: carry_air, carry_clock, carry_coupling, carry_solid
     use brz_clock, only: clock_t
     use brz_core_keys, only: core_keys
@@ -204,14 +204,6 @@ contains
                        'backend of &run may change; --branch takes other histories of loads too')
         end if
     end subroutine check_origin
-
-    pure function quoted(line) result(text)
-        character(*), intent(in) :: line
-        character(:), allocatable :: text
-
-        text = '"'//line//'"'
-        if (line == '') text = 'nothing more'
-    end function quoted
 
     !> The checkpoint that a run shall go on from, one whose seal is right.
     !> Of several processes the first looks for all.

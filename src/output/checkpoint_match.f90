@@ -9,7 +9,7 @@ module brz_checkpoint_match
     use brz_key_text, only: present_name
     implicit none
     private
-    public :: first_difference, free_keys
+    public :: first_difference, free_keys, quoted
 
     character(*), parameter :: line_end = new_line('a')
     character(11), parameter :: free_keys(6) = [character(11) :: 'title', 't_end', 'max_steps', &
@@ -41,6 +41,15 @@ contains
         if (line_a /= '' .and. line_a(1:1) /= '&') line_a = group_a//' '//line_a
         if (line_b /= '' .and. line_b(1:1) /= '&') line_b = group_b//' '//line_b
     end subroutine first_difference
+
+    !> A line of first_difference as a message has it.
+    pure function quoted(line) result(text)
+        character(*), intent(in) :: line
+        character(:), allocatable :: text
+
+        text = '"'//line//'"'
+        if (line == '') text = 'nothing more'
+    end function quoted
 
     !> A line 'key = values' with the present name of the key.
     pure function present_line(keys, group, line) result(text)
