@@ -140,8 +140,6 @@ contains
         type(air_t), intent(in) :: air
         class(bodies_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
-        integer :: b
-        logical :: whole
         character(*), parameter :: how = "this version does not have the coupling "// &
             "scheme='cut_cells' "
 
@@ -149,18 +147,6 @@ contains
             call raise(err, exit_deck, how//'in a periodic box: take wall_flux')
             return
         end if
-        do b = 1, size(solid%bodies)
-            associate (body => solid%bodies(b))
-                whole = body%formulation == form_rigid &
-                        .or. all(solid%fixed(body%first:body%last) == is_fixed)
-                if (whole .and. .not. allocated(body%regions)) cycle
-                call raise(err, exit_deck, label('body', case%bodies(b)%id, &
-                           case%bodies(b)%place)//how//"for a body that deforms: make it "// &
-                           "formulation = 'rigid' "// &
-                           "or hold it with fix = 'all', or take scheme = 'wall_flux'")
-                return
-            end associate
-        end do
     end subroutine refuse_cut_cells
 
     !> Take out of the surface cells what gas the particles leave no room for, all of the others.

@@ -13,7 +13,8 @@ module brz_cut_driver
     use brz_cut_motion_loops, only: for_each_cut_find_carrier, for_each_cut_sum_load, &
         for_each_cut_sum_push, for_each_cut_sweep, for_each_cut_tame, for_each_cut_wall_velocity
     use brz_cut_list_loops, only: for_each_cut_cell_of, for_each_cut_find_beside, &
-        for_each_cut_find_home, for_each_cut_mark, for_each_cut_set_slot, for_each_cut_widen
+        for_each_cut_find_home, for_each_cut_mark, for_each_cut_mark_listed, &
+        for_each_cut_mark_unsettled, for_each_cut_set_slot, for_each_cut_widen
     use brz_cut_load_loops, only: for_each_cut_bear, for_each_cut_feel, for_each_cut_find_bearing, &
         for_each_cut_load_particle, for_each_cut_record
     use brz_cut_node_loops, only: for_each_cut_fill_node, for_each_cut_find_ball, &
@@ -105,6 +106,14 @@ contains
             call for_each_cut_widen(c%on_gpu, n, cells%nodes, d, cells%mark, cells%next_mark, err)
             cells%mark = cells%next_mark
         end do
+        if (cells%resumes) then
+            call for_each_cut_mark_listed(c%on_gpu, cells%before%n, cells%before%cell, cells%mark, &
+                                          err)
+        else if (cells%n > 0) then
+            call for_each_cut_mark_unsettled(c%on_gpu, cells%n, cells%nodes, cells%cell, &
+                cells%place, cells%volume, cells%swept, cells%kept, cells%next_mark, cells%mark, &
+                err)
+        end if
         chunks = (n - 1)/cells_of_a_chunk + 1
         call at_least(c%on_gpu, c%start, chunks + 1, err)
         call for_each_count_kind(c%on_gpu, chunks, n, 1, cells%mark, c%start, err)
@@ -155,6 +164,7 @@ contains
         call at_least(on_gpu, cells%ends, n + 2, err)
         call at_least(on_gpu, cells%member, n, err)
         call at_least(on_gpu, cells%rate, max_var, n, err)
+        call at_least(on_gpu, cells%euler, max_var, n, err)
         call at_least(on_gpu, cells%push, 3, n, err)
         call at_least(on_gpu, cells%impulse, 3, n, err)
         call at_least(on_gpu, cells%bin_ends, n + 2, err)
@@ -281,10 +291,13 @@ contains
     subroutine resume_volumes(c, err)
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
+        logical :: same
 
         associate (l => c%wall%cells, held => c%wall%cells%before, n => c%wall%cells%n)
             l%resumes = .false.
-            if (held%n /= n) then
+            same = held%n == n
+            if (same) same = all(held%cell(:n) == l%cell(:n))
+            if (.not. same) then
                 call raise(err, exit_deck, 'the checkpoint has other cut cells than its particles')
                 return
             end if

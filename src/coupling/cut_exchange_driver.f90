@@ -60,7 +60,7 @@ contains
                                             l%absorbed, err)
                 else
                     call for_each_cut_level(g, l%n, nodes, l%place, l%beside, l%aperture, l%band, &
-                                            l%off, air%u, l%flow, err)
+                                            l%off, l%volume, air%u, l%flow, err)
                 end if
                 call for_each_cut_apply(g, l%n, nodes, l%place, l%flow, l%volume, air%u, err)
             end do

@@ -259,20 +259,25 @@ contains
     end subroutine cut_find_off
 
     !> Add to the flow into a cell what comes from one beside it, with the state of the side that it
-    !> comes from.
+    !> comes from, which keeps half of its volume whatever its neighbours ask for.
     !@cuf attributes(host,device) &
-    pure subroutine add_flow(nodes, into, from, amount, u, flow)
+    pure subroutine add_flow(nodes, into, from, amount, place, volume, u, flow)
         type(node_grid_t), intent(in) :: nodes
-        integer, intent(in) :: into, from !! places of the cells
+        integer, intent(in) :: into, from !! entries
         real(rk), intent(in) :: amount !! volume, in cells
-        real(rk), intent(in) :: u(*)
+        integer(int32), intent(in) :: place(*)
+        real(rk), intent(in) :: volume(*), u(*)
         real(rk), intent(inout) :: flow(max_var + 1)
-        integer :: c
+        real(rk) :: least, passes
+        integer :: c, giver
 
+        giver = merge(from, into, amount > 0)
+        least = volume(giver)/(4*nodes%dimensions)
+        passes = max(-least, min(least, amount))
         do c = 1, nodes%grid%n_var
-            flow(c) = flow(c) + amount*u(merge(from, into, amount > 0) + (c - 1)*nodes%grid%apart)
+            flow(c) = flow(c) + passes*u(place(giver) + (c - 1)*nodes%grid%apart)
         end do
-        flow(max_var + 1) = flow(max_var + 1) + amount
+        flow(max_var + 1) = flow(max_var + 1) + passes
     end subroutine add_flow
 
     !> A master that has left the band gives what it is off to neighbours in the band, in equal
@@ -310,9 +315,9 @@ contains
                 if (.not. aperture(row, s) > 0) cycle
                 if (band(s) == 1) then
                     if (band(b) == 1 .or. takers(b) == 0 .or. .not. abs(off(b)) > 0) cycle
-                    call add_flow(nodes, place(s), place(b), -off(b)/takers(b), u, sums)
+                    call add_flow(nodes, s, b, -off(b)/takers(b), place, volume, u, sums)
                 else if (band(b) == 1) then
-                    call add_flow(nodes, place(s), place(b), off(s)/takers(s), u, sums)
+                    call add_flow(nodes, s, b, off(s)/takers(s), place, volume, u, sums)
                 end if
             end do
         end if
@@ -324,11 +329,11 @@ contains
     !> Masters in the band exchange part of what they are off by, through open faces.
     !@loop_body
     !@cuf attributes(host,device) &
-    pure subroutine cut_level(s, nodes, place, beside, aperture, band, off, u, flow)
+    pure subroutine cut_level(s, nodes, place, beside, aperture, band, off, volume, u, flow)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
         integer(int32), intent(in) :: place(*), beside(6, *), band(*)
-        real(rk), intent(in) :: aperture(6, *), off(*), u(*)
+        real(rk), intent(in) :: aperture(6, *), off(*), volume(*), u(*)
         real(rk), intent(inout) :: flow(max_var + 1, *)
         real(rk) :: sums(max_var + 1)
         integer :: b, c, row
@@ -341,8 +346,9 @@ contains
             b = beside(row, s)
             if (b == 0) cycle
             if (.not. aperture(row, s) > 0 .or. band(b) == 0) cycle
-            call add_flow(nodes, place(s), place(b), &
-                          aperture(row, s)*(off(s) - off(b))/(2*nodes%dimensions + 1), u, sums)
+            call add_flow(nodes, s, b, &
+                          aperture(row, s)*(off(s) - off(b))/(2*nodes%dimensions + 1), place, &
+                          volume, u, sums)
         end do
         do c = 1, max_var + 1
             flow(c, s) = sums(c)

@@ -4,12 +4,15 @@
 module brz_cut_list_loop_bodies
     use brz_air_grid, only: cell_at, number_of, place_of
     use brz_cut_cells, only: near, node_grid_t
-    use brz_kinds, only: dp, int32, int8
+    use brz_kinds, only: dp, int32, int8, rk
     use brz_particle_marks, only: is_gone
+    use brz_scheme, only: max_var
     implicit none
     private
-    public :: cut_cell_of, cut_mark, cut_widen, cut_set_slot, cut_find_beside, cut_find_home
+    public :: cut_cell_of, cut_mark, cut_mark_listed, cut_mark_unsettled, cut_widen, cut_set_slot, cut_find_beside, cut_find_home
     public :: entry_at, nodes_around
+
+    real(rk), parameter :: settled = 64*epsilon(1.0_rk) !! of a cell, in which gas may be off it
 
 contains
 
@@ -54,6 +57,45 @@ contains
 
         if (number(p) > 0) mark(number(p)) = 1_int8
     end subroutine cut_mark
+
+    !> Mark the cells of a list.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_mark_listed(s, cell, mark)
+        integer, intent(in) :: s !! entries
+        integer(int32), intent(in) :: cell(*)
+        integer(int8), intent(inout) :: mark(*)
+
+        mark(cell(s)) = 1_int8
+    end subroutine cut_mark_listed
+
+    !> Mark the cells around a listed one that bodies have left, as a particle that leaves the box
+    !> or is eroded does, while it does not hold a cell of gas: it stays listed until it does.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_mark_unsettled(s, nodes, cell, place, volume, swept, kept, from, mark)
+        integer, intent(in) :: s !! entries
+        type(node_grid_t), intent(in) :: nodes
+        integer(int32), intent(in) :: cell(*), place(*)
+        real(rk), intent(in) :: volume(*), swept(*), kept(max_var + 1, *)
+        integer(int8), intent(in) :: from(*) !! what is listed without it
+        integer(int8), intent(inout) :: mark(*)
+        integer :: i, ijk(3), j, k, high(3), low(3)
+
+        if (place(s) == 0) return
+        if (from(cell(s)) /= 0) return
+        if (abs(volume(s) + swept(s) - 1) <= settled .and. .not. abs(kept(max_var + 1, s)) > 0 &
+            .and. .not. abs(kept(1, s)) > 0) return
+        ijk = cell_at(nodes%n, cell(s))
+        call nodes_around(nodes, ijk, near, near, low, high)
+        do k = max(low(3), 1), min(high(3), nodes%n(3))
+            do j = max(low(2), 1), min(high(2), nodes%n(2))
+                do i = max(low(1), 1), min(high(1), nodes%n(1))
+                    mark(i + nodes%n(1)*((j - 1) + nodes%n(2)*(k - 1))) = 1_int8
+                end do
+            end do
+        end do
+    end subroutine cut_mark_unsettled
 
     !> Mark what lies within `near` cells of a mark along a direction.
     !@loop_body if(n >= worth_threads) schedule(static)

@@ -110,7 +110,7 @@ contains
                                    air%u, &
                                air%edge, c%rate, c%push)
             call each_cut_join(c%n, c%nodes, stage, c%place, c%master, c%ends, c%member, &
-                               c%volume, c%swept, c%rate, air%u, air%u_start, air%rate)
+                               c%volume, c%swept, c%rate, air%u, air%u_start, air%rate, c%euler)
             do s = 1, c%n
                 if (c%place(s) > 0) call look_at(air, wall, stage, pass, to_redo, &
                                                  cell_at(c%nodes%n, c%cell(s)))
@@ -215,15 +215,16 @@ contains
         if (wall%present) then
             if (wall%solid(cell(1), cell(2), cell(3)) == 1) return
         end if
-        call euler_step(air, stage, cell, old, euler)
+        call euler_step(air, wall, stage, cell, old, euler)
         call mark_cell(air%n_var, stage%floors, pass, task, &
                        place_of(air%grid, cell(1), cell(2), cell(3)), old, euler, air%bad, &
                        air%found)
     end subroutine look_at
 
     !> State of a cell and its Euler step.
-    pure subroutine euler_step(air, stage, cell, old, new)
+    pure subroutine euler_step(air, wall, stage, cell, old, new)
         type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: cell(3)
         real(rk), intent(out) :: old(max_var), new(max_var)
@@ -232,11 +233,14 @@ contains
         new = 0
         old(:air%n_var) = air%u(cell(1), cell(2), cell(3), :)
         new(:air%n_var) = old(:air%n_var) + stage%dt*air%rate(cell(1), cell(2), cell(3), :)
+        if (is_cut(wall, cell(1), cell(2), cell(3))) new(:air%n_var) = &
+            wall%cells%euler(:air%n_var, wall%cells%slot(number_of(wall%cells%nodes%n, cell)))
     end subroutine euler_step
 
     !> Where the first lost cell of this process is, and what it would have become.
-    subroutine find_lost_cell(air, stage, here)
+    subroutine find_lost_cell(air, wall, stage, here)
         type(air_t), intent(inout) :: air
+        type(wall_t), intent(in) :: wall
         type(stage_t), intent(in) :: stage
         logical, intent(out) :: here !! there is one
         real(rk) :: old(max_var), new(max_var)
@@ -245,7 +249,7 @@ contains
         call find_lost(air, air%grid, air%bad, at)
         here = at > 0
         new = 0
-        if (here) call euler_step(air, stage, air%bad_cell, old, new)
+        if (here) call euler_step(air, wall, stage, air%bad_cell, old, new)
         air%bad_state = new(1:5)
     end subroutine find_lost_cell
 

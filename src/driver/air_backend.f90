@@ -112,8 +112,9 @@ contains
     end subroutine redo
 
     !> Where the first lost cell of this process is, and what it would have become.
-    subroutine find_lost_cell(air, stage, here, err)
+    subroutine find_lost_cell(air, wall, stage, here, err)
         type(air_t), intent(inout) :: air
+        type(wall_t), intent(in) :: wall
         type(stage_t), intent(in) :: stage
         logical, intent(out) :: here !! there is one
         type(error_t), intent(inout) :: err
@@ -121,7 +122,7 @@ contains
         if (air%on_gpu) then
             call gpu_find_lost_cell(air%device, air, here, err)
         else
-            call cpu_find_lost_cell(air, stage, here)
+            call cpu_find_lost_cell(air, wall, stage, here)
         end if
     end subroutine find_lost_cell
 

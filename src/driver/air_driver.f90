@@ -125,7 +125,7 @@ contains
         call redo(air, wall, stage, pass, to_lose, err)
         call find_bad(air, found, err)
         if (found) then
-            call find_lost_cell(air, stage, found, err)
+            call find_lost_cell(air, wall, stage, found, err)
             if (first_lost(air, found)) status = air_unphysical
         end if
         call clear_marks(air, err)

@@ -311,6 +311,7 @@ contains
         associate (held => cells%before)
             if (file%writing) then
                 held%n = cells%n
+                held%cell = cells%cell(:cells%n)
                 held%volume = cells%volume(:cells%n)
                 held%kept = cells%kept(:, :cells%n)
                 held%shut = cells%shut(:cells%n)
@@ -320,11 +321,12 @@ contains
                 if (failed(err)) return
                 held%n = int(shape_there(1))
                 if (allocated(held%volume)) deallocate (held%volume, held%kept, held%shut)
-                if (allocated(held%master)) deallocate (held%master)
-                allocate (held%volume(held%n), held%kept(max_var + 1, held%n), &
+                if (allocated(held%master)) deallocate (held%master, held%cell)
+                allocate (held%cell(held%n), held%volume(held%n), held%kept(max_var + 1, held%n), &
                           held%shut(held%n), held%master(held%n))
                 cells%resumes = .true.
             end if
+            call carry(file, 'coupling/cell', held%cell, err)
             call carry(file, 'coupling/gas_volume', held%volume, err)
             call carry(file, 'coupling/waiting', held%kept, err)
             call carry(file, 'coupling/shut', held%shut, err)

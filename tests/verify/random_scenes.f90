@@ -44,29 +44,32 @@ module random_scenes
 contains
 
     !> Draw a scene and run it for some steps, or to its first fault.
-    subroutine run_random_scene(number, steps, s)
+    subroutine run_random_scene(number, steps, cut, s)
         integer, intent(in) :: number, steps
+        logical, intent(in) :: cut !! walls through cells, else along their faces
         type(random_scene_t), intent(out) :: s
 
-        call draw_scene(number, s)
+        call draw_scene(number, cut, s)
         do while (s%steps < steps .and. s%fault == '')
             call step_scene(s)
         end do
     end subroutine run_random_scene
 
-    subroutine draw_scene(number, s)
+    subroutine draw_scene(number, cut, s)
         integer, intent(in) :: number
+        logical, intent(in) :: cut
         type(random_scene_t), intent(inout) :: s
         type(dice_t) :: random
         real(dp) :: speed
 
         call random%seed(number)
         call draw_box(random, s)
+        if (cut) where (s%air%bc == bc_periodic) s%air%bc = bc_wall
         call draw_gas(random, s)
         call keep_outside(s%air)
         call draw_bodies(s%air, rho0, c0, random, s%solid, s%bodies, speed)
         s%speed = max(s%speed, 2*speed)
-        call couple(s%air, s%solid, 1.5_rk, real(p0, rk), s%coupling)
+        call couple(s%air, s%solid, 1.5_rk, real(p0, rk), s%coupling, cut)
         call total(s, s%start)
         write (s%what, '(a, i0, a, 3(1x, i0), a, 6i2, a, 3(1x, i0), a, f5.2, a, 4i2)') 'scene ', &
             number, ': cells', s%air%n, ' ends', s%air%bc, ' scheme', s%air%scheme%reconstruction, &

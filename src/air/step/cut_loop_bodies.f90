@@ -189,6 +189,8 @@ contains
         do m = -2, 2
             apart(m) = 1
         end do
+        ! beside a cell that is not listed, whose sweep knows of no shares
+        if (beside(2*d - 1 + side, s) == 0 .and. low >= 1 .and. low < nodes%cells(d)) return
         do m = -2, 2
             ! the face above cell index; beyond a mirror that of its image
             index = low + m
@@ -376,11 +378,13 @@ contains
         end if
     end function speed_at_wall
 
-    !> Rate of a cluster, for all its members: from the rates of their contents.
+    !> Rate of a cluster, for all its members: from the rates of their contents; and the Euler step
+    !> of its content, over the volume before, by which it is judged: what the walls sweep is no
+    !> change of the content, and changes no sign.
     !@loop_body if(27*n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
     pure subroutine cut_join(s, nodes, stage, place, master, ends, member, volume, swept, &
-                             content_rate, u, u_start, rate)
+                             content_rate, u, u_start, rate, euler)
         integer, intent(in) :: s !! entries; masters alone do something
         type(node_grid_t), intent(in) :: nodes
         type(stage_t), intent(in) :: stage
@@ -388,6 +392,7 @@ contains
         real(rk), intent(in) :: volume(*), swept(*), content_rate(max_var, *)
         real(rk), intent(in) :: u(*), u_start(*) !! the latter from the second stage on
         real(rk), intent(inout) :: rate(*) !! of the cells of the air
+        real(rk), intent(inout) :: euler(max_var, *)
         real(rk) :: change, gain, next, now, old, total
         integer(int64) :: at
         integer :: c, q
@@ -416,6 +421,9 @@ contains
             ! at the first stage u is the start
             change = 0
             if (stage%first == 0) change = u(at) - u_start(at)
+            do q = ends(s) + 1, ends(s + 1)
+                euler(c, member(q)) = u(at) + stage%dt*total/old
+            end do
             total = ((old - next)*change + stage%dt*total - gain*(u(at) - change))/(next*stage%dt)
             do q = ends(s) + 1, ends(s + 1)
                 rate(place(member(q)) + (c - 1)*nodes%grid%apart) = total
