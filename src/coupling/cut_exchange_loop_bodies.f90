@@ -16,6 +16,7 @@ module brz_cut_exchange_loop_bodies
         cut_find_band, cut_find_off, cut_leave, cut_level, cut_apply
 
     real(rk), parameter :: pocket = 0.25_rk !! clusters with less gas are shut
+    real(rk), parameter :: small = 0.5_rk !! unless they have this much room
 
 contains
 
@@ -151,7 +152,8 @@ contains
     end subroutine cut_forget
 
     !> One state for a cluster, and its volume in proportion to the gas by geometry. A pocket with
-    !> too little gas is shut: its gas waits.
+    !> too little gas is shut: its gas waits. Where a body that had the room has gone, torn or
+    !> eroded, the gas takes the room instead.
     !@loop_body
     !@cuf attributes(host,device) &
     pure subroutine cut_settle(s, nodes, place, master, ends, member, content, volume, gas, shut, &
@@ -181,6 +183,7 @@ contains
                 all(c) = all(c) + content(c, m)
             end do
         end do
+        if (full <= pocket .and. room >= small) full = room ! thin, as what it came from has gone
         if (full > pocket .and. all(1) > 0 .and. all(5)*all(1) > 0.5_rk*(all(2)**2 + all(3)**2 &
                                                                          + all(4)**2)) then
             do q = ends(s) + 1, ends(s + 1)

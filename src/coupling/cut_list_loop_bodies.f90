@@ -69,8 +69,8 @@ contains
         mark(cell(s)) = 1_int8
     end subroutine cut_mark_listed
 
-    !> Mark the cells around a listed one that bodies have left, as a particle that leaves the box
-    !> or is eroded does, while it does not hold a cell of gas: it stays listed until it does.
+    !> Mark the cells around a listed one at the end of the list that does not hold a cell of gas, as
+    !> where bodies have left the box or are eroded: it stays listed until it does.
     !@loop_body
     !@cuf attributes(host,device) &
     pure subroutine cut_mark_unsettled(s, nodes, cell, place, volume, swept, kept, from, mark)
@@ -80,13 +80,23 @@ contains
         real(rk), intent(in) :: volume(*), swept(*), kept(max_var + 1, *)
         integer(int8), intent(in) :: from(*) !! what is listed without it
         integer(int8), intent(inout) :: mark(*)
-        integer :: i, ijk(3), j, k, high(3), low(3)
+        integer :: d, i, ijk(3), j, k, high(3), low(3), next(3), side
+        logical :: inside
 
         if (place(s) == 0) return
-        if (from(cell(s)) /= 0) return
         if (abs(volume(s) + swept(s) - 1) <= settled .and. .not. abs(kept(max_var + 1, s)) > 0 &
             .and. .not. abs(kept(1, s)) > 0) return
         ijk = cell_at(nodes%n, cell(s))
+        inside = from(cell(s)) /= 0
+        do d = 1, 3
+            do side = -1, 1, 2
+                next = ijk
+                next(d) = ijk(d) + side
+                if (nodes%n(d) == 1 .or. next(d) < 1 .or. next(d) > nodes%n(d)) cycle
+                if (inside) inside = from(number_of(nodes%n, next)) /= 0
+            end do
+        end do
+        if (inside) return
         call nodes_around(nodes, ijk, near, near, low, high)
         do k = max(low(3), 1), min(high(3), nodes%n(3))
             do j = max(low(2), 1), min(high(2), nodes%n(2))
