@@ -6,13 +6,14 @@ halving a bracket of which both ends were run.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 
 import numpy as np
 
 MOVE = 1.5  # factor by which an end of a bracket is moved
-MOST = 14  # runs for one limit
+MOST = 14  # times that a search asks
+NEAR = 0.3  # of the step of a secant: how far points beside its end lie from it
 SLOPES = 0.3, 5.0  # of ln response over ln unknown, magnitude: what a secant may have
 FIRST = 1.1  # slope that is assumed at first: deflections go about so with pressure
 
@@ -28,29 +29,68 @@ class Found:
     message: str = ""
 
 
-def meet(
-    response: Callable[[float], float],
+# Searches are generators: each yields the unknowns that it asks for at once and is sent the answers
+# in the same order, so that several go on side by side (`together`), one by one or in packs.
+Search = Generator[list[float], list, Found]
+
+
+def together(searches: dict[int, Search], ask: Callable[[list[tuple[int, float]]], list]) -> dict:
+    """What searches find, by their numbers; all go on in step.
+
+    `ask` answers pairs (number of a search, unknown) in their order: those that all searches want
+    to know at the same time.
+    """
+    found: dict[int, Found] = {}
+    wanted = {k: next(one) for k, one in searches.items()}
+    while wanted:
+        answers = iter(ask([(k, x) for k, points in wanted.items() for x in points]))
+        for k, points in list(wanted.items()):
+            try:
+                wanted[k] = searches[k].send([next(answers) for _ in points])
+            except StopIteration as end:
+                found[k] = end.value
+                del wanted[k]
+    return found
+
+
+def _alone(search: Search, response: Callable) -> Found:
+    """What one search finds by a function of the unknown."""
+    return together({0: search}, lambda pairs: [response(x) for _, x in pairs])[0]
+
+
+def meet(response: Callable[[float], float], *options, **named) -> Found:
+    """The unknown at which a positive response is the target; arguments as of `meeting`."""
+    return _alone(meeting(*options, **named), response)
+
+
+def meeting(
     target: float,
     guess: float,
     tolerance: float = 0.01,
     rising: bool = True,
-) -> Found:
-    """The unknown at which a positive response is the target, to a share of the target.
+    at_once: int = 0,
+) -> Search:
+    """Search for the unknown at which a positive response is the target, to a share of the target.
 
     A secant in the logarithms of both, its slope held within `SLOPES`, inside the bracket once
-    there is one; where it would leave it, half of the bracket. `rising`: whether the response
-    grows with the unknown. Not found where a response is no positive number, or after `MOST` runs.
+    there is one; where it would leave it, half of the bracket. With `at_once` points at a time the
+    others lie to both sides of it, as far as it may be off. `rising`: whether the response grows
+    with the unknown. Not found where a response is no positive number (all of those at once are
+    none), or after `MOST` times.
     """
     sign = 1.0 if rising else -1.0
     found, known = Found(math.nan, math.nan, math.nan), []
-    x = math.log(guess)
+    x, reach, inside = math.log(guess), math.log(MOVE), (-math.inf, math.inf)
     for _ in range(MOST):
-        y = response(math.exp(x))
-        found.runs.append((math.exp(x), y))
-        if not (math.isfinite(y) and y > 0):
+        points = _fan(x, reach, inside, max(at_once, 1))
+        responses = yield [math.exp(p) for p in points]
+        found.runs += [(math.exp(p), y) for p, y in zip(points, responses, strict=True)]
+        good = [(p, math.log(y / target)) for p, y in zip(points, responses, strict=True)
+                if math.isfinite(y) and y > 0]  # fmt: skip
+        if not good:
             found.message = f"no response at {math.exp(x):.6g}"
             return found
-        known.append((x, math.log(y / target)))
+        known += good
         low = [p for p in known if sign * p[1] < 0]
         high = [p for p in known if sign * p[1] >= 0]
         found.low = math.exp(max(low)[0]) if low else math.nan
@@ -61,13 +101,23 @@ def meet(
         if abs(miss) <= tolerance or narrow:
             found.value = math.exp(best - miss / slope)
             return found
-        x = best - miss / slope
+        x, reach = best - miss / slope, NEAR * abs(miss / slope)
         if low and high:
             a, b = max(low)[0], min(high)[0]
             edge = 0.02 * (b - a)
+            inside = a + edge, b - edge
             x = x if a + edge < x < b - edge else 0.5 * (a + b)
-    found.message = f"not met within {MOST} runs"
+    found.message = f"not met within {len(found.runs)} runs"
     return found
+
+
+def _fan(x: float, reach: float, inside: tuple[float, float], count: int) -> list[float]:
+    """A place and others beside it, to both sides in turn and `reach` at the farthest; those that
+    would lie on the ends of `inside` or beyond are left out.
+    """
+    sides = count // 2
+    steps = [way * reach * k / sides for k in range(1, sides + 1) for way in (-1, 1)]
+    return [x, *(x + s for s in steps[: count - 1] if inside[0] < x + s < inside[1])]
 
 
 def _slope(known: list, sign: float) -> float:
@@ -79,47 +129,58 @@ def _slope(known: list, sign: float) -> float:
     return sign * min(max(slope, SLOPES[0]), SLOPES[1])
 
 
-def bracket(
-    event: Callable[[float], bool | None],
+def bracket(event: Callable[[float], bool | None], *options, **named) -> Found:
+    """The unknown at which an event sets in; arguments as of `bracketing`."""
+    return _alone(bracketing(*options, **named), event)
+
+
+def bracketing(
     low: float,
     high: float,
     tolerance: float = 0.02,
     rising: bool = True,
-) -> Found:
-    """The unknown at which an event sets in (goes away, where not `rising`) as the unknown grows.
+    at_once: int = 0,
+) -> Search:
+    """Search for the unknown at which an event sets in (goes away, where not `rising`) as it grows.
 
     Both ends are run, and moved by factors of `MOVE` until it happens at one of them alone; then
-    the bracket is halved in logarithms until its ends are within a share `tolerance`. An answer
-    None is neither yes nor no: the search ends there and says so.
+    the bracket is halved in logarithms until its ends are within a share `tolerance`. With
+    `at_once` points at a time both ends and so many between them are the first, and so many split
+    a bracket after that. An answer None is neither yes nor no: the search ends there and says so,
+    unless a yes and a no that lie nearer to the limit are known.
     """
     found = Found(math.nan, low, high)
-
-    def beyond(x: float) -> bool:
-        """Whether x lies beyond the limit. LookupError where the answer is neither."""
-        yes = event(x)
-        found.runs.append((x, math.nan if yes is None else float(yes)))
-        if yes is None:
-            raise LookupError(f"neither yes nor no at {x:.6g}: the run failed or was too short")
-        if len(found.runs) > 2 * MOST:
-            raise LookupError(f"not found within {2 * MOST} runs, the last at {x:.6g}")
-        return yes == rising
-
-    try:
-        if beyond(low):
-            high, low = low, low / MOVE
-            while beyond(low):
-                high, low = low, low / MOVE
+    known: list[tuple[float, bool | None]] = []
+    many = max(at_once, 1)
+    points = np.geomspace(low, high, at_once + 2).tolist() if at_once else [low]
+    while True:
+        answers = yield points
+        known += [(x, yes if yes is None else yes == rising)
+                  for x, yes in zip(points, answers, strict=True)]  # fmt: skip
+        found.runs += [(x, math.nan if yes is None else float(yes))
+                       for x, yes in zip(points, answers, strict=True)]  # fmt: skip
+        over = min((x for x, beyond in known if beyond), default=math.inf)
+        under = max((x for x, beyond in known if beyond is False and x < over), default=0.0)
+        if unclear := [x for x, beyond in known if beyond is None and under < x < over]:
+            text = f"neither yes nor no at {unclear[0]:.6g}"
+            found.message = f"{text}: the run failed or was too short"
+            return found
+        if not under:
+            points = [over / MOVE**k for k in range(1, many + 1)]
+        elif math.isinf(over):
+            points = [high] if under < high else [under * MOVE**k for k in range(1, many + 1)]
         else:
-            while not beyond(high):
-                low, high = high, high * MOVE
-        while high / low > 1 + tolerance:
-            middle = math.sqrt(low * high)
-            low, high = (low, middle) if beyond(middle) else (middle, high)
-        found.value = math.sqrt(low * high)
-    except LookupError as error:
-        found.message = str(error)
-    found.low, found.high = low, high
-    return found
+            needed = math.ceil(math.log(over / under) / math.log1p(tolerance))
+            pieces = min(many + 1, max(needed, 2))
+            points = np.geomspace(under, over, pieces + 1)[1:-1].tolist()
+        found.low, found.high = under or points[-1], over if math.isfinite(over) else points[-1]
+        if under and over / under <= 1 + tolerance:
+            found.value = math.sqrt(under * over)
+            return found
+        if len(found.runs) > 2 * MOST * many:
+            last = found.runs[-1][0]
+            found.message = f"not found within {2 * MOST * many} runs, the last at {last:.6g}"
+            return found
 
 
 def guess_between(at: float, known: list[tuple[float, float]], generic: float) -> float:
@@ -138,15 +199,17 @@ def guess_between(at: float, known: list[tuple[float, float]], generic: float) -
     return float(math.exp(y0 + (y1 - y0) * (x - x0) / (x1 - x0)))
 
 
-def waves(count: int) -> list[list[int]]:
+def waves(count: int, packed: bool = False) -> list[list[int]]:
     """Order in which limits along a curve are searched: ends, middle, then the gaps at once.
 
-    So guesses come from the same neighbours whatever goes on side by side.
+    So guesses come from the same neighbours whatever goes on side by side. `packed`: the middle
+    with the ends, as few and full runs are wanted then.
     """
     first = sorted({0, count - 1})
     second = sorted({(count - 1) // 2} - set(first))
     third = [k for k in range(count) if k not in first and k not in second]
-    return [wave for wave in (first, second, third) if wave]
+    order = [first + second, third] if packed else [first, second, third]
+    return [wave for wave in order if wave]
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,18 @@
 """Members of a study as one run: the bodies of many decks side by side, and nothing between them.
 
 A run of ten thousand particles leaves most of a GPU idle; sixty-four of them in one run do not.
-Members lie along an axis without a plane of symmetry, as far apart as the widest is long, or
-further; they share the time step, the smallest of all. What is written for all bodies together, as
-energies and dumps, is not that of a member: a study that asks for such results is not packed.
+Members lie along an axis without a plane of symmetry, as far apart as the widest is long, its way
+included, or further; they share the time step, the smallest of all, and go on to the latest end. A
+member has its histories up to its own end. What is written for all bodies together, as energies and
+dumps, is not that of a member: a study that asks for such results is not packed.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 from post.deck import AXES, Deck, as_list
 
@@ -31,8 +34,8 @@ NAMES = {
     "gauge": ("id", "body", "with", "motion"),
 }
 SHARED = ("run", "solid", "output")  # groups that are the same in all members
-HELD_ALONE = {"run": ("title", "backend")}  # keys of them that may differ
-APART = 2.0  # pitch of the members over the length of the longest
+HELD_ALONE = {"run": ("title", "backend", "t_end")}  # keys of them that may differ
+APART = 2.0  # pitch of the members over the length of the longest, with the way that it flies
 
 
 class NotPackable(Exception):
@@ -47,6 +50,7 @@ class Pack:
     members: int
     axis: int  # along which they lie: 0, 1, 2
     pitch: float  # from one to the next [m]
+    ends: tuple[float, ...]  # t_end of each member [s]
 
     def shift(self, k: int) -> float:
         """How far member k, from 0, lies from where its deck has it, along the axis [m]."""
@@ -63,9 +67,11 @@ def pack(decks: list[str]) -> Pack:
     for deck in members:
         _refuse(deck, first)
     axis, pitch = _axis_of(members)
-    packed = Pack("", len(members), axis, pitch)
+    ends = tuple(float(deck.get("run", "t_end", 0.0)) for deck in members)
+    packed = Pack("", len(members), axis, pitch, ends)
     lines = [f"{len(members)} members of a study side by side along {AXES[axis]}."]
-    lines += [_group("run", first.groups("run")[0] | {"title": "members of a study"})]
+    whole = {"title": "members of a study", "t_end": max(ends)}
+    lines += [_group("run", first.groups("run")[0] | whole)]
     for name in ("solid", "output"):
         lines += [_group(name, group) for group in first.groups(name)]
     if all(len(deck.groups("body")) == 1 for deck in members):
@@ -108,21 +114,27 @@ def _of_all(interaction: dict) -> bool:
 
 
 def _axis_of(members: list[Deck]) -> tuple[int, float]:
-    """Axis without a plane of symmetry along which members are shortest, and their pitch [m]."""
+    """Axis without a plane of symmetry along which members are shortest, and their pitch [m]; as
+    long as bodies are with the way that they fly at their first velocity.
+    """
     dimension = int(members[0].get("run", "dimension", 3))
     mirrors = members[0].mirrors
     bodies = [body for deck in members for body in deck.bodies()]
-    lengths = {}
-    for axis in range(dimension):
-        if mirrors[axis]:
-            continue
-        low, high = min(b.low[axis] for b in bodies), max(b.high[axis] for b in bodies)
-        lengths[axis] = float(high - low)
+    ways = [_way(deck, group) for deck in members for group in deck.groups("body")]
+    low = np.min([b.low + np.minimum(w, 0) for b, w in zip(bodies, ways, strict=True)], axis=0)
+    high = np.max([b.high + np.maximum(w, 0) for b, w in zip(bodies, ways, strict=True)], axis=0)
+    lengths = {d: float(high[d] - low[d]) for d in range(dimension) if not mirrors[d]}
     if not lengths:
         raise NotPackable("there are planes of symmetry across all axes")
     axis = min(lengths, key=lengths.get)
     across = max(float(b.high[d] - b.low[d]) for b in bodies for d in range(dimension))
     return axis, APART * max(lengths[axis], 0.1 * across)
+
+
+def _way(deck: Deck, body: dict) -> np.ndarray:
+    """How far a body flies until the end at its first velocity, shape (3) [m]."""
+    velocity = np.array((as_list(body.get("velocity")) + [0.0] * 3)[:3], float)
+    return velocity * float(deck.get("run", "t_end", 0.0))
 
 
 def _moved(name: str, group: dict, axis: int, by: float) -> dict:
@@ -170,7 +182,8 @@ def _value(value: object) -> str:
 def share_out(out: Path, packed: Pack, folders: list[Path]) -> None:
     """Give each member its columns of the histories of the run in `out`, as if it had run alone.
 
-    Writes gauges.csv and bodies.csv of each folder. OSError is left to the caller.
+    Writes gauges.csv and bodies.csv of each folder, up to the end of the member. OSError is left to
+    the caller.
     """
     for name in ("gauges.csv", "bodies.csv"):
         if not (out / name).is_file():
@@ -181,10 +194,24 @@ def share_out(out: Path, packed: Pack, folders: list[Path]) -> None:
             mark = f"m{k}_"
             kept = [0, *(c for c, head in enumerate(rows[0]) if head.startswith(mark))]
             lines = [",".join(rows[0][c].removeprefix(mark) for c in kept)]
-            places = [c for c in kept if rows[0][c].endswith(f":{AXES[packed.axis]}[m]")]
-            for row in rows[1:]:
-                for c in places:
-                    row[c] = repr(float(row[c]) - packed.shift(k))
-                lines.append(",".join(row[c] for c in kept))
+            places = [i for i, c in enumerate(kept)
+                      if rows[0][c].endswith(f":{AXES[packed.axis]}[m]")]  # fmt: skip
+            for row in _until(packed.ends[k], [[row[c] for c in kept] for row in rows[1:]]):
+                for i in places:
+                    row[i] = repr(float(row[i]) - packed.shift(k))
+                lines.append(",".join(row))
             folder.mkdir(parents=True, exist_ok=True)
             (folder / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _until(end: float, rows: list[list[str]]) -> list[list[str]]:
+    """Rows of a history up to a time [s]; where others follow, one on a straight line is the last,
+    as a run has a row at its end.
+    """
+    late = next((i for i, row in enumerate(rows) if float(row[0]) > end * (1 + 1e-12)), len(rows))
+    kept = rows[:late]
+    if not 0 < late < len(rows) or float(rows[late - 1][0]) >= end * (1 - 1e-12):
+        return kept
+    one, other = (np.array(row, float) for row in rows[late - 1 : late + 1])
+    last = one + (other - one) * (end - one[0]) / (other[0] - one[0])
+    return [*kept, [repr(end), *(repr(float(v)) for v in last[1:])]]

@@ -33,6 +33,7 @@ from post.units import show
 
 SCENE = ("shot", "hole", "crater", "damage", "cracks")  # groups beside gauges and sums
 
+OF_BODY = ("velocity_x", "velocity_y", "velocity_z", "damage_mean")  # at the end of a run
 KINK = 0.02  # of a peak: neighbours that are lower are not on the same parabola
 
 
@@ -134,7 +135,7 @@ def _of_energies(run: Run) -> Iterator[Result]:
 def _of_bodies(run: Run) -> Iterator[Result]:
     history = run.bodies
     for body in history.owners():
-        for quantity in ("velocity_x", "velocity_y", "velocity_z", "damage_mean"):
+        for quantity in OF_BODY:
             name = f"{body}:{quantity}"
             if name in history and np.any(history[name] != 0):
                 value, unit = float(history[name][-1]), history.unit(name)

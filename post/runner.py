@@ -40,6 +40,7 @@ NOT_MEANING = ("&output",)  # groups that do not change what a run computes
 NOT_KEYS = ("title", "backend")  # keys that do not
 FILES = re.compile(r"=\s*['\"]([^'\"\n]+\.(?:stl|csv|h5|vtkhdf|txt))['\"]", re.IGNORECASE)
 SECONDS = re.compile(r"^time +about ([\d.]+) (ms|s|min|h) of one core", re.MULTILINE)
+PARTICLES = re.compile(r"^solids +(\d+) particles", re.MULTILINE)
 FACTOR = {"ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0}
 SMALL = 10.0  # core-seconds: a shorter run is for a core, not for a GPU
 
@@ -127,6 +128,7 @@ class Check:
     seconds: float  # of one core, as the program guesses
     code: int
     message: str
+    particles: int = 0  # of the bodies; 0 where it is not told
 
 
 def key_of(echo: str, stamp: str, files: list[Path]) -> str:
@@ -198,7 +200,9 @@ class Store:
         cost = float(found[1]) * FACTOR[found[2]] if found else math.nan
         message = done.stderr.strip() if done.returncode else ""
         key = key_of(text, self.program.stamp, files) if text else name[:16]
-        one = Check(key, text, cost, done.returncode, message)
+        solids = PARTICLES.search(done.stdout)
+        count = int(solids[1]) if solids else 0
+        one = Check(key, text, cost, done.returncode, message, count)
         with self._lock:
             self._checks[name] = one.__dict__
             _write(self.index, json.dumps(self._checks))

@@ -14,11 +14,12 @@ from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 from post.errors import USAGE, PostError
-from post.limits import Found, bracket, guess_between, meet, waves
+from post.limits import Found, Search, bracketing, guess_between, meeting, together, waves
 from post.runner import SMALL, STOPPED, Job, Outcome, Program, Runner, Slot, Store, find_program
 from post.study_file import Limit, Study, read_study
 from post.study_histories import write_histories
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
 
 TOO_MANY = 0.2  # share of failures from which a study ends
 LEAST_FAILED = 5  # but not before so many have failed
+FULL = 40_000  # particles of a run on a GPU up to which more of them cost next to nothing
+MOST_AT_ONCE = 7  # points that split a bracket
+BESIDE = 3  # points of a secant: its end, and one to each side
 
 
 @dataclass
@@ -65,7 +69,7 @@ class Pool:
         self.runner = runner
         self._short: queue.PriorityQueue = queue.PriorityQueue()
         gpus = [slot for slot in slots if slot.gpu is not None]
-        self.has_gpu = bool(gpus)
+        self.gpus, self.cores = len(gpus), len(slots) - len(gpus)
         cores = [slot for slot in slots if slot.gpu is None]
         self._long = queue.PriorityQueue() if gpus and cores else self._short
         self._count = 0
@@ -78,9 +82,17 @@ class Pool:
         """An outcome to come; `cost` in core-seconds."""
         return self._put(lambda slot: self.runner.run(job, slot), cost)
 
-    def submit_all(self, jobs: list[Job], cost: float) -> Future:
-        """A list of outcomes to come, of one run where the jobs fit into one."""
-        return self._put(lambda slot: self.runner.run_all(jobs, slot), cost)
+    def submit_all(self, jobs: list[Job], pack: int = 1) -> list[Future]:
+        """Lists of outcomes to come that hold those of all jobs in their order: of one run each
+        where up to `pack` jobs go together on a GPU, spread over all GPUs. What is short goes to
+        cores, each job alone.
+        """
+        costs = [self.runner.store.check(job).seconds for job in jobs]
+        short = self.cores and not sum(costs) > SMALL
+        size = 1 if short or not self.gpus else min(pack, -(-len(jobs) // self.gpus))
+        return [self._put(partial(self.runner.run_all, jobs[k : k + size]),
+                          sum(costs[k : k + size]))
+                for k in range(0, len(jobs), size)]  # fmt: skip
 
     def _put(self, work: Callable[[Slot], object], cost: float) -> Future:
         future: Future = Future()
@@ -315,13 +327,9 @@ def _run_design(study: Study, runner: Runner, pool: Pool, progress: Progress) ->
     """All points of a design; ends early where too many fail."""
     points = study.points()
     progress.total = len(points)
-    waiting = []
-    size = study.pack if pool.has_gpu else 1
-    for k in range(0, len(points), size):
-        jobs = [study.job(point) for point in points[k : k + size]]
-        future = pool.submit_all(jobs, sum(runner.store.check(job).seconds for job in jobs))
+    waiting = pool.submit_all([study.job(point) for point in points], study.pack)
+    for future in waiting:
         future.add_done_callback(lambda f: f.exception() or progress.add(*f.result()))
-        waiting.append(future)
     outcomes, given_up = [], False
     for future in waiting:
         outcomes += future.result()
@@ -334,46 +342,68 @@ def _run_design(study: Study, runner: Runner, pool: Pool, progress: Progress) ->
 
 
 def _run_limits(study: Study, limit: Limit, rooms: tuple, progress: Progress) -> Results:
-    """One limit at each point of the design, side by side where guesses allow it."""
+    """One limit at each point of the design, side by side where guesses allow it: each by itself,
+    or all in step, what they ask for at the same time being packed.
+    """
     runner, pool = rooms
     points, found = study.points(), Results()
     limits: dict[int, Found] = {}
     asked: dict[int, list[tuple[dict, Outcome]]] = {k: [] for k in range(len(points))}
+    packed = study.pack > 1 and pool.gpus > 0
+    measure = event_of if limit.event else response_of
 
-    def search(k: int, guess: float) -> Found:
-        def outcome(x: float) -> Outcome:
-            point = points[k] | {limit.unknown.name: x}
-            one = pool.submit(study.job(point)).result()
-            progress.add(one)
+    def answers(pairs: list[tuple[int, float]]) -> list:
+        """What points say, given as (number of a limit, unknown)."""
+        wanted = [points[k] | {limit.unknown.name: x} for k, x in pairs]
+        jobs = [study.job(point) for point in wanted]
+        futures = pool.submit_all(jobs, study.pack if packed else 1)
+        outcomes = [one for future in futures for one in future.result()]
+        progress.add(*outcomes)
+        for (k, _), point, one in zip(pairs, wanted, outcomes, strict=True):
             asked[k].append((point, one))
-            return one
+        return [measure(limit, one) for one in outcomes]
 
-        if limit.event:
-            ends = limit.low, limit.high, limit.tolerance, limit.rising
-            return bracket(lambda x: event_of(limit, outcome(x)), *ends)
-        return meet(
-            lambda x: response_of(limit, outcome(x)),
-            abs(limit.target),
-            guess,
-            limit.tolerance,
-            limit.rising,
-        )
-
-    along = _along(study)
+    along = "" if limit.event else _along(study)  # an event needs no guess
+    middle = math.sqrt(limit.low * limit.high)
+    order = waves(len(points), packed) if along else [list(range(len(points)))]
     with ThreadPoolExecutor(max(len(points), 1)) as threads:
-        for wave in waves(len(points)):
+        for wave in order:
             known = [(float(points[k][along]), one.value) for k, one in limits.items()
                      if along and math.isfinite(one.value)]  # fmt: skip
-            middle = math.sqrt(limit.low * limit.high)
-            guesses = [guess_between(float(points[k][along]), known, middle) if along else middle
-                       for k in wave]  # fmt: skip
-            limits |= dict(zip(wave, threads.map(search, wave, guesses), strict=True))
+            at_once = _at_once(study, runner.store, [points[k] for k in wave]) if packed else 0
+            searches = {k: _search(limit, guess_between(float(points[k][along]), known, middle)
+                                   if along else middle, at_once) for k in wave}  # fmt: skip
+            if packed:
+                limits |= together(searches, answers)
+            else:
+                alone = [{k: search} for k, search in searches.items()]
+                for one in threads.map(lambda search: together(search, answers), alone):
+                    limits |= one
     for k in range(len(points)):
         found.limits.append((points[k], limits[k]))
         found.points += [point for point, _ in asked[k]]
         found.outcomes += [one for _, one in asked[k]]
     found.stopped = runner.stopping.is_set()
     return found
+
+
+def _search(limit: Limit, guess: float, at_once: int) -> Search:
+    """The search for one limit, by so many points at a time; 0: one after the other."""
+    if limit.event:
+        return bracketing(limit.low, limit.high, limit.tolerance, limit.rising, at_once)
+    some = min(at_once, BESIDE)
+    return meeting(abs(limit.target), guess, limit.tolerance, limit.rising, some)
+
+
+def _at_once(study: Study, store: Store, points: list[dict]) -> int:
+    """How many points of each of some limits are asked for at once: as many as a GPU takes beside
+    each other for next to nothing, at least one.
+    """
+    limit = study.limit
+    jobs = [study.job(point | {limit.unknown.name: limit.low}) for point in points]
+    particles = sum(store.check(job).particles for job in jobs)
+    room = FULL // particles if particles else 1
+    return min(max(room, 1), MOST_AT_ONCE, max(study.pack // len(points), 1))
 
 
 def _along(study: Study) -> str:

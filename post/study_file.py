@@ -22,6 +22,7 @@ from post.designs import DESIGNS, LAWS, RANDOM, Design, Parameter, points_of
 from post.ensemble import member_sets
 from post.errors import USAGE, PostError
 from post.expressions import evaluate
+from post.results import OF_BODY
 from post.runner import Job
 from post.units import base_of, factor_of
 
@@ -65,6 +66,7 @@ PACK = 64  # members of a run on a GPU, see post/packing.py
 MEMBER = "seed"  # name of the number of a member in points and tables
 KEY = re.compile(r"\w+(\([^()]+\))?\.\w+")  # as --set takes it
 PLACE = re.compile(r"\{([^{}]+)\}")
+EVENT_SIGN = re.compile(r"[<>]")
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,11 @@ class Limit:
     event: str = ""  # 'RESULT > number'; empty where a number is met
     along: str = ""  # parameter along which the limit is drawn
     rising: bool = True  # the result grows with the unknown
+
+    @property
+    def measured(self) -> str:
+        """The result that is looked at: that of the event where there is one."""
+        return EVENT_SIGN.split(self.event)[0].strip() if self.event else self.result
 
 
 @dataclass
@@ -117,8 +124,8 @@ class Study:
     @property
     def pack(self) -> int:
         """Members that go in one run on a GPU: results of gauges and bodies alone are theirs."""
-        wanted = [*self.results, *([self.limit.result] if self.limit else [])]
-        own = bool(wanted) and all(":" in name for name in wanted)
+        wanted = [*self.results, *([self.limit.measured] if self.limit else [])]
+        own = bool(wanted) and all(_of_members(name) for name in wanted)
         return int(self.slots.get("pack", PACK)) if own else 1
 
     @property
@@ -482,6 +489,11 @@ class _Reader:
         point = {one.name: one.middle for one in study.parameters}
         point |= {one.name: study.limit.low for one in unknown}
         study.job(point)  # formulas are tried once, so that their faults are told now
+
+
+def _of_members(result: str) -> bool:
+    """Whether a result is of a gauge, or of the history of a body: each member of a pack has it."""
+    return ":" in result or result.rpartition(" ")[2] in OF_BODY
 
 
 def _plain(value: float | str) -> str:

@@ -245,7 +245,7 @@ def _what(study: Study) -> str:
 def _add_search(page: Page, one: Found) -> None:
     """One limit alone: its runs, and a fit where they are residual velocities."""
     study, limit = page.study, page.study.limit
-    result = limit.result or limit.event.split(">")[0].split("<")[0].strip()
+    result = limit.measured
     outcomes = page.found.outcomes
     unit = next((o.units[result] for o in outcomes if result in o.units), "-")
     fit = None

@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+from post import study
 from post.deck import Deck
 from post.packing import NotPackable, pack
 from post.reader import Run
@@ -50,6 +51,29 @@ def test_members_are_as_they_are_alone(runner, tmp_path):
         assert abs(moved[-1]) > 1e-5
     # and where it lies in the pack is not where its deck has it
     assert np.abs(bodies["strip:y"] - own.bodies["strip:y"]).max() < 1e-6
+
+
+def test_members_have_their_own_end(runner, tmp_path):
+    """The shorter one has a row at its end, on a straight line between those of the run."""
+    short = Job(STRIP.format(pressure=60).replace("t_end = 1e-4", "t_end = 6.13e-5"), tmp_path)
+    together = runner.run_all([short, *jobs(tmp_path, 60)], Slot())
+    assert [one.device for one in together] == ["cpu, 2 at once"] * 2
+    gauges = [Run(runner.store.place(one.key) / "out").gauges for one in together]
+    assert [one.time[-1] for one in gauges] == pytest.approx([6.13e-5, 1e-4], rel=1e-12)
+    own = Runner(Store(tmp_path / "other", runner.store.program)).run(short, Slot())
+    alone = Run(tmp_path / "other" / "runs" / own.key / "out").gauges
+    assert gauges[0]["mid:displacement_y"][-1] == pytest.approx(
+        alone["mid:displacement_y"][-1], rel=2e-3
+    )
+
+
+def test_members_that_fly_lie_beyond_their_ways():
+    """One that goes 9 m along y in its time: the others lie aside of it, or behind that way."""
+    flying = complete(symmetry="'z'").replace("id = 'b'\n", "id = 'b'\n  velocity = 0, 9, 0\n")
+    packed = pack([flying, complete(symmetry="'z'")])
+    assert packed.axis == 0  # 4 m long, and y is 10 m with the way
+    packed = pack([flying.replace("'z'", "'x', 'z'"), complete(symmetry="'x', 'z'")])
+    assert packed.axis == 1 and packed.pitch == pytest.approx(20)
 
 
 def test_nothing_runs_twice(runner, tmp_path):
@@ -119,7 +143,7 @@ def test_places_and_names_are_those_of_the_members():
     ("decks", "why"),
     [
         ([complete(), complete("&air\n box = 0, 1, 0, 1, 0, 1\n/")], "members have &air"),
-        ([complete(), complete().replace("t_end = 1.0", "t_end = 2.0")], "members differ in &run"),
+        ([complete(), complete().replace("'x'", "'z'")], "members differ in &run"),
         ([complete(symmetry="'x', 'y', 'z'")] * 2, "planes of symmetry"),
         ([complete("&solid\n region = 0, 1, 0, 1, 0, 1\n/")] * 2, "region"),
         ([complete("&interaction\n bodies = '*'\n friction = 0.1\n/"), complete()], "all bodies"),
@@ -128,3 +152,90 @@ def test_places_and_names_are_those_of_the_members():
 def test_what_cannot_lie_beside_others_is_refused(decks, why):
     with pytest.raises(NotPackable, match=why):
         pack(decks)
+
+
+# --- limits -------------------------------------------------------------------------------------
+
+LIMIT = """[study]
+deck = "strip.nml"
+[parameter.end]
+values = [{ends}]
+unit = "ms"
+set = {{ "load(p).time" = "0, x" }}
+[limit]
+unknown = "pressure"
+low = 10
+high = 100
+{what}
+"""
+MET = """result = "mid:displacement_y peak"
+target = 0.8
+target_unit = "mm"
+along = "end"
+"""
+SETS_IN = "event = 'mid:displacement_y peak < -0.8e-3'\ntolerance = 0.02"
+
+
+@pytest.fixture
+def find(tmp_path, monkeypatch):
+    """Find limits one by one or in packs, which run on the CPU all the same: what is found, and how
+    many runs were begun.
+    """
+    begun = []
+    start = Runner._start
+
+    def on_cpu(self, command, place, slot, lock):
+        begun.append(place.name)
+        return start(self, command, place, Slot(), lock)
+
+    monkeypatch.setattr(Runner, "_start", on_cpu)
+    monkeypatch.setattr(study, "_write", lambda study, out, runner, found: (found, 0))
+    (tmp_path / "strip.nml").write_text(STRIP.format(pressure="{pressure}"))
+
+    def run(text, gpu=None, out="o"):
+        (tmp_path / "s.toml").write_text(text)
+        monkeypatch.setattr(study, "slots_of", lambda *_: [Slot(gpu=gpu)])
+        begun.clear()
+        found, _ = study.make_study(tmp_path / "s.toml", study.Options(out=tmp_path / out))
+        return found, list(begun)
+
+    return run
+
+
+def values(found):
+    return [one.value for _, one in found.limits]
+
+
+@pytest.mark.parametrize(("what", "near"), [(MET, 0.01), (SETS_IN, 0.02)])
+def test_limits_in_packs_are_those_of_runs_one_by_one(find, what, near):
+    text = LIMIT.format(ends="0.06, 0.1, 0.15", what=what)
+    alone, singles = find(text)
+    packs, runs = find(text, gpu=0, out="packed")
+    assert all(one.value > 0 for _, one in alone.limits)
+    assert values(packs) == pytest.approx(values(alone), rel=near)
+    assert len(singles) == len(alone.outcomes) > 6
+    assert len(runs) <= 4 and all(name.startswith("pack_") for name in runs)
+    assert all("at once" in one.device for one in packs.outcomes)
+    again, runs = find(text, gpu=0, out="packed")  # nothing runs twice
+    assert values(again) == values(packs) and not runs
+
+
+def test_what_is_no_result_of_a_member_runs_alone(find):
+    """Energies of a pack are those of all: one run after the other, as without packs."""
+    what = MET.replace("mid:displacement_y peak", "energy load_work peak").replace("0.8", "600")
+    text = LIMIT.format(ends="0.1", what=what.replace('"mm"', '"J"'))
+    found, runs = find(text, gpu=0)
+    assert found.limits[0][1].runs and not any(name.startswith("pack_") for name in runs)
+
+
+def test_results_of_members_are_packed(tmp_path):
+    (tmp_path / "strip.nml").write_text(STRIP.format(pressure="{pressure}"))
+    for what, packed in (
+        (MET, True),
+        (SETS_IN, True),
+        ("event = 'rod velocity_x > 10'", True),
+        ("event = 'rod residual_velocity > 10'", False),
+        (MET.replace("mid:displacement_y", "energy internal"), False),
+    ):
+        (tmp_path / "s.toml").write_text(LIMIT.format(ends="0.1", what=what))
+        assert (study.read_study(tmp_path / "s.toml").pack > 1) == packed

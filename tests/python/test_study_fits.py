@@ -15,7 +15,16 @@ sys.path[:0] = [str(HERE.parents[1]), str(HERE)]
 
 from post.designs import Parameter  # noqa: E402
 from post.fragility import by_likelihood, by_line, by_share  # noqa: E402
-from post.limits import bracket, fit_hyperbola, guess_between, meet, waves  # noqa: E402
+from post.limits import (  # noqa: E402
+    bracket,
+    bracketing,
+    fit_hyperbola,
+    guess_between,
+    meet,
+    meeting,
+    together,
+    waves,
+)
 from post.surrogate import fit_surrogate, predict, sensitivity  # noqa: E402
 
 
@@ -55,12 +64,72 @@ def test_both_ends_of_a_bracket_are_run(low, high, rising):
     assert bracket(lambda x: None, low, high).message.startswith("neither yes nor no")
 
 
+def asks(search, response):
+    """What a search finds, and how often it asks."""
+    rounds = []
+
+    def ask(pairs):
+        rounds.append(len(pairs))
+        return [response(x) for _, x in pairs]
+
+    return together({0: search}, ask)[0], rounds
+
+
+@pytest.mark.parametrize("power", [0.6, 1.1, 2.0, -1.5])
+@pytest.mark.parametrize("guess", [0.2, 3.0, 40.0])
+def test_several_points_at_once_meet_a_target_sooner(power, guess):
+    def bent(x):
+        return 5 * (x / 3.0) ** power * (1 + 0.1 * math.log(x / 3.0) ** 2)
+
+    one, rounds = asks(meeting(5.0, guess, 0.005, power > 0), bent)
+    some, fewer = asks(meeting(5.0, guess, 0.005, power > 0, at_once=3), bent)
+    assert one.value == pytest.approx(3.0, rel=0.01) and some.value == pytest.approx(3.0, rel=0.01)
+    assert len(fewer) <= len(rounds) and max(fewer) == 3
+    assert len(some.runs) == sum(fewer)
+
+
+@pytest.mark.parametrize(("low", "high"), [(120, 400), (300, 400), (40, 60)])
+@pytest.mark.parametrize("at_once", [1, 3, 7])
+def test_several_points_split_a_bracket(low, high, at_once):
+    """P points leave one of P + 1 parts; none lies closer than the tolerance asks for."""
+    one, rounds = asks(bracketing(low, high, 0.02), lambda x: x > 234)
+    some, fewer = asks(bracketing(low, high, 0.02, at_once=at_once), lambda x: x > 234)
+    assert some.low < 234 < some.high and some.high / some.low <= 1.02
+    assert some.value == pytest.approx(one.value, rel=0.02)
+    assert len(fewer) <= len(rounds) and fewer[0] == at_once + 2
+    assert at_once < 7 or len(fewer) <= 4
+
+
+def test_an_answer_that_is_none_matters_at_the_limit_alone():
+    def event(x):
+        return None if 200 < x < 240 else x > 220
+
+    found, _ = asks(bracketing(150, 400, 0.02, at_once=3), event)
+    assert found.message.startswith("neither yes nor no at 2") and math.isnan(found.value)
+    found, _ = asks(bracketing(150, 400, 0.02, at_once=3), lambda x: None if x > 390 else x > 170)
+    assert found.low < 170 < found.high and not found.message
+
+
+def test_searches_go_on_in_step():
+    """Two limits: what both ask for at the same time is asked for together."""
+    rounds = []
+
+    def ask(pairs):
+        rounds.append([k for k, _ in pairs])
+        return [5 * (x / 3.0) ** (2 - k) for k, x in pairs]
+
+    found = together({k: meeting(5.0, 1.0 + 2 * k, 0.005) for k in (0, 1)}, ask)
+    assert [found[k].value for k in (0, 1)] == pytest.approx([3.0, 3.0], rel=0.005)
+    assert rounds[0] == [0, 1] and rounds[-1] == [0] and len(rounds) == len(found[0].runs)
+
+
 def test_guesses_and_waves():
     known = [(1.0, 10.0), (100.0, 1.0)]
     assert guess_between(10.0, known, 5.0) == pytest.approx(math.sqrt(10))
     assert guess_between(1e4, known, 5.0) == pytest.approx(0.1)
     assert guess_between(3.0, [], 5.0) == 5.0
     assert waves(7) == [[0, 6], [3], [1, 2, 4, 5]] and waves(1) == [[0]]
+    assert waves(7, packed=True) == [[0, 6, 3], [1, 2, 4, 5]]
 
 
 def test_the_hyperbola_is_found_from_points_on_it():
