@@ -8,6 +8,13 @@ import numpy as np
 from post.face import FaceMap
 
 LIMIT = 0.5  # damage from which a place is cracked
+WHOLE = 0.95  # share of a face from which it is damaged as a whole: there are no cracks to count
+
+
+def damaged_share(one: FaceMap, limit: float = LIMIT) -> float:
+    """Share of a face on which the damage exceeds `limit`, from 0 to 1."""
+    known = one.values[np.isfinite(one.values)]
+    return float((known > limit).mean()) if known.size else 0.0
 
 
 def crossings(one: FaceMap, radius: float, centre=(0.0, 0.0), limit: float = LIMIT) -> int:

@@ -56,10 +56,11 @@ def damaged_volumes(run: Run, frame: Frame, body: str) -> dict[str, float]:
 
 
 def _loose(run: Run, frame: Frame, body: str) -> int:
-    """Particles of the modelled part that hang on the largest piece no longer."""
+    """Particles of the modelled part that hang on the largest piece no longer; of a body that was
+    several parts at the start on the largest of their own part.
+    """
     try:
         pieces = find_fragments(run, frame, body)
     except PostError:
         return 0  # on no lattice
-    largest = max(pieces, key=lambda piece: piece.particles)
-    return sum(piece.particles for piece in pieces) - largest.particles
+    return sum(piece.particles for piece in pieces if not piece.main)

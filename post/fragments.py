@@ -51,13 +51,27 @@ def hanging_together(lattice: Lattice, held: list, sound: np.ndarray) -> np.ndar
 
 
 def largest_piece(lattice: Lattice, held: list, sound: np.ndarray) -> np.ndarray:
-    """Whether each particle belongs to the largest piece of a body, shape (n).
+    """Whether each particle belongs to the largest piece of a body, shape (n); of a body that was
+    several parts at the start, as the bars of a mesh, to the largest piece of its part.
 
     `held` as of `surface.edges_of`; particles that are not `sound` (n) hold nothing.
     """
-    name = hanging_together(lattice, held, sound)
+    return _largest_of_parts(lattice, hanging_together(lattice, held, sound), sound)
+
+
+def _largest_of_parts(lattice: Lattice, name: np.ndarray, sound: np.ndarray) -> np.ndarray:
+    """Whether each particle belongs to the largest of the pieces `name` (n) of its part at the
+    start: of what hangs together on the lattice of the unloaded body.
+    """
+    held = [[neighbour(lattice, axis, side) >= 0 for side in (-1, 1)] for axis in range(3)]
+    part = hanging_together(lattice, held, np.ones(len(sound), bool))
     size = np.bincount(name[sound], minlength=len(sound))
-    return sound & (name == np.argmax(size))
+    rows = np.flatnonzero(sound)
+    rows = rows[np.lexsort((name[rows], -size[name[rows]], part[rows]))]
+    parts, first = np.unique(part[rows], return_index=True)
+    best = np.full(len(sound), -1)
+    best[parts] = name[rows[first]]
+    return sound & (name == best[part])
 
 
 @dataclass(frozen=True)
@@ -72,6 +86,7 @@ class Fragment:
     low: np.ndarray  # (3) corner of the box around its particles [m], of the modelled part
     high: np.ndarray  # (3)
     copies: int  # how many of it there are in the whole scene
+    main: bool = True  # the largest piece of the body, or of a part that stood apart at the start
 
     @property
     def speed(self) -> float:
@@ -105,6 +120,7 @@ def find_fragments(
         sound = solid.field["damage"][own] < failed
     names = hanging_together(lattice, edges_of(points, lattice)[1], sound)
     field = {key: solid.field[key][own].astype(float) for key in ("mass", "density", "velocity")}
+    field["main"] = _largest_of_parts(lattice, names, sound)
     return _measure_pieces(names, points, rest, field, (run.deck.mirrors, step))
 
 
@@ -130,10 +146,13 @@ def _measure_pieces(names, points, rest, field: dict, scene: tuple) -> list[Frag
             copies[~touches] *= 2
             middle[touches, d] = velocity[touches, d] = 0.0
             low[touches, d] = -high[touches, d]
+    main = np.bincount(piece, field["main"]) > 0
     found = [
-        Fragment(int(n), float(m * j), float((6 * v * j / np.pi) ** (1 / 3)), u, x, a, b, int(c))
-        for n, m, j, v, u, x, a, b, c in zip(
-            count, mass, joined, volume, velocity, middle, low, high, copies, strict=True
+        Fragment(
+            int(n), float(m * j), float((6 * v * j / np.pi) ** (1 / 3)), u, x, a, b, int(c), bool(o)
+        )
+        for n, m, j, v, u, x, a, b, c, o in zip(
+            count, mass, joined, volume, velocity, middle, low, high, copies, main, strict=True
         )
     ]
     return sorted(found, key=lambda one: -one.mass)

@@ -192,7 +192,7 @@ def _verdict(shot: Shot, main: Fragment, v: float, settled: bool) -> str:
 def _thrown(run: Run, frame: Frame, shot: Shot) -> tuple[Fragment | None, Cloud, Cloud]:
     """The plug, and what flies behind and before the target."""
     n, way = shot.normal, -shot.side
-    pieces = find_fragments(run, frame, shot.target.id, FAILED)[1:]
+    pieces = [p for p in find_fragments(run, frame, shot.target.id, FAILED) if not p.main]
     leaves = [way * p.velocity[n] for p in pieces]
     behind = [p for p, v in zip(pieces, leaves, strict=True)
               if way * (p.middle[n] - shot.rear) > 0 and v > 0]  # fmt: skip

@@ -16,7 +16,14 @@ import numpy as np
 from post.balance import TOTALS, total_of, whole_factor
 from post.blast import Pulse
 from post.certificate import interval_text, read_certificate
-from post.cracks import LIMIT, circumferential_cracks, radial_cracks, rings_of
+from post.cracks import (
+    LIMIT,
+    WHOLE,
+    circumferential_cracks,
+    damaged_share,
+    radial_cracks,
+    rings_of,
+)
 from post.crater import face_loss
 from post.damage import WORDS, damaged_volumes
 from post.deck import Body
@@ -261,8 +268,13 @@ def _of_cracks(run: Run, frame: Frame, body: str, which: tuple[int, str]) -> Ite
         return  # no material that cracks
     low, high = thin_faces(run, body)
     one = face_map(run, frame, body, low if side < 0 else high)
-    known = one.values[np.isfinite(one.values)]
-    if not (known > LIMIT).any():
+    share = damaged_share(one)
+    if share == 0:
+        return
+    if share > WHOLE:
+        for kind in ("radial", "circumferential"):
+            head = f"{body} cracks_{kind}_{name}"
+            yield Result(head, math.nan, "-", "cracks", "whole face damaged")
         return
     radial, around = radial_cracks(one, rings_of(one)), circumferential_cracks(one)
     for kind, counts in (("radial", radial), ("circumferential", around)):
@@ -299,8 +311,9 @@ def results_table(run: Run) -> Table:
         rows.append((one.name.replace("_", " "), text_of(one), remark))
     note = (
         "Of the whole scene, at the last dump. Loose: what no longer hangs together with the "
-        "largest piece. Crater, spall: what is missing from the unloaded face inwards, loose "
-        "matter away. Angles are those to the shot. How each is measured: the manual, Results."
+        "largest piece of a body, or of its part where it was several at the start. Crater, spall: "
+        "what is missing from the unloaded face inwards, loose matter away. Angles are those to "
+        "the shot. How each is measured: the manual, Results."
     )
     return Table("Results", ("what", "value", ""), rows, note)
 

@@ -116,9 +116,9 @@ def _results(run: Run) -> Values:
     """Residual velocity, plug, debris, holes, craters, damage, cracks."""
     found = {}
     for one in results(run, SCENE):
-        found[one.name.replace("_", " ")] = text_of(one) + (
-            f" ({one.remark})" if one.name.endswith(("velocity", "velocity_now")) else ""
-        )
+        told = one.name.endswith(("velocity", "velocity_now")) or not math.isfinite(one.value)
+        remark = f" ({one.remark})" if told and one.remark else ""
+        found[one.name.replace("_", " ")] = text_of(one) + remark
     return found
 
 

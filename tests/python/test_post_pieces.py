@@ -18,8 +18,9 @@ from test_post_compare import star  # noqa: E402
 from post.cracks import circumferential_cracks, crossings_along  # noqa: E402
 from post.energies import body_energies, energy_of, material_energies  # noqa: E402
 from post.errors import PostError  # noqa: E402
-from post.fragments import find_fragments, fragment_table  # noqa: E402
+from post.fragments import find_fragments, fragment_table, largest_piece  # noqa: E402
 from post.reader import Run  # noqa: E402
+from post.surface import edges_of, find_lattice  # noqa: E402
 
 
 def test_energies_are_those_of_the_whole(tmp_path):
@@ -89,3 +90,19 @@ def test_rings_are_counted_and_radial_cracks_are_not():
     assert np.median(circumferential_cracks(face)) == 2
     assert crossings_along(face, 0.3, (0.05, 0.3)) == 1
     assert crossings_along(face, 0.3, (0.22, 0.3)) == 0
+
+
+def test_what_stood_apart_at_the_start_is_not_loose():
+    """Two bars of one body, of 30 and of 12 layers; the shorter one loses its last three."""
+    places = [(0, 0, k) for k in range(30)] + [(4, 0, k) for k in range(12)]
+    rest = 1e-3 * np.array([(x + i, y + j, z) for x, y, z in places for i in (0, 1)
+                            for j in (0, 1)], float)  # fmt: skip
+    lattice = find_lattice(rest, 1e-3)
+    points = rest.copy()
+    torn = (rest[:, 0] > 3e-3) & (rest[:, 2] > 8.5e-3)
+    points[torn, 2] += 5e-3
+    held = edges_of(points, lattice)[1]
+    stays = largest_piece(lattice, held, np.ones(len(rest), bool))
+    assert torn.sum() == 12 and np.array_equal(stays, ~torn)
+    failed = rest[:, 2] > 20e-3  # what holds nothing is no part of a piece
+    assert np.array_equal(largest_piece(lattice, held, ~failed), ~torn & ~failed)

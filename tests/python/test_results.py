@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -147,6 +148,8 @@ def block(low, high):
 class Range:
     """A rod of 6 x 6 x 12 mm behind a plate of 4 mm that it has struck; mass 8 mg a particle."""
 
+    deck = SHOT
+
     def __init__(self, fallen=0.05):
         self.plate = block((-0.02, -0.02, -0.004), (0.02, 0.02, 0))
         self.rod = block((-0.003, -0.003, 0.001), (0.003, 0.003, 0.013))
@@ -164,9 +167,9 @@ class Range:
 
     def run(self, folder, slowing=0.0):
         folder.mkdir()
-        (folder / "hit.echo.nml").write_text(SHOT)
+        (folder / "hit.echo.nml").write_text(self.deck)
         path = folder / "solid_00001.vtkhdf"
-        about = {"deck": SHOT, "job": "hit", "time": 1e-4, "cycle": 1}
+        about = {"deck": self.deck, "job": "hit", "time": 1e-4, "cycle": 1}
         file, root = begin(path, "PolyData", about)
         points = np.concatenate([self.plate, self.rod])
         with file:
@@ -297,3 +300,22 @@ def test_damage_by_kind(tmp_path):
     found = damaged_volumes(run, run.frames[-1], "plate")
     volume = 4 * made.broken.sum() * made.spacing**3
     assert found == pytest.approx({"failed": volume, "fibre": volume})
+
+
+@pytest.mark.parametrize("share", [0.3, 1.0])
+def test_a_face_that_is_damaged_as_a_whole_has_no_cracks_to_count(tmp_path, share):
+    made = Made()
+    made.broken = made.within(1.0) if share == 1 else np.abs(made.x[:, 1]) < made.spacing
+    run = made.run(tmp_path)
+    with h5py.File(tmp_path / "solid_00001.vtkhdf", "a") as file:
+        data = file["VTKHDF/PointData"]
+        data["damage_tension"] = data["damage"][:]
+    found = {one.name: one for one in results(run, ("cracks",))}
+    for face in ("low", "high"):
+        one = found[f"plate cracks_radial_{face}"]
+        if share == 1:
+            assert math.isnan(one.value) and one.remark == "whole face damaged"
+        else:
+            assert one.value == 2 and one.remark == "2 to 2"
+    if share == 1:
+        assert ("plate cracks radial low", "–", "whole face damaged") in results_table(run).rows
