@@ -15,6 +15,7 @@ from post.deflection import displacement_table
 from post.energy_picture import draw_energy
 from post.errors import PostError
 from post.face import draw_damaged_faces
+from post.fragment_reference import draw_fragments, fragment_rows
 from post.gauge_picture import draw_gauges
 from post.gauges import measure, pressure_gauges
 from post.hole_picture import draw_perforation, hole_table
@@ -49,7 +50,7 @@ def make_report(run: Run, given_references: str | Path | None = None) -> tuple[P
     holes, views = _holes(run, folder)
     pictures += views
     tables = [
-        comparison_table(compare(run, references), path),
+        comparison_table(compare(run, references) + fragment_rows(run), path),
         balance_table(run),
         totals_table(run),
         results_table(run),
@@ -84,6 +85,7 @@ def _draw_all(run: Run, references: list, folder: Path) -> tuple[list[Picture], 
         ("interfaces", has_solid, lambda: draw_interfaces(run, folder)),
         ("gauges", run.history("gauges") is not None, lambda: draw_gauges(run, references, folder)),
         ("motion", has_solid, lambda: draw_motion(run, references, folder)),
+        ("residual velocity", has_solid, lambda: draw_fragments(run, folder)),
         ("energy", run.history("energy") is not None, lambda: draw_energy(run, folder)),
     ]
     pictures, failures = [], []
@@ -143,7 +145,7 @@ def comparison_table(rows: list[Comparison], path: Path | None) -> Table:
     heads = ("quantity", "gauge", "measured", "reference", "difference", "source of the reference")
     note = "A dash: the run has no such value (not reached, or the history ends too early)."
     if path is not None:
-        note += f" References beside Kingery-Bulmash: {path.name}."
+        note += f" References beside Kingery-Bulmash and THOR: {path.name}."
     return Table("Comparison", heads, found, note)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from post.errors import PostError
 from post.fragility import Curve, by_likelihood, by_line, by_share
+from post.fragment_reference import LABEL, FragmentShot, fragment_shot_of
 from post.limits import Found, fit_hyperbola
 from post.page import PAGE, html_picture, html_problems, html_table
 from post.reference_curves import fit_limit
@@ -34,6 +35,7 @@ from post.tables import Table, as_text
 from post.units import show
 
 if TYPE_CHECKING:
+    from post.runner import Outcome
     from post.study import Results
 
 MOST_FORMULAS = 4  # results for which a surrogate is made
@@ -147,7 +149,8 @@ def _add_design(page: Page) -> None:
     if random and len(numbers) == len(study.parameters):
         for name, (values, _) in list(results.items())[:MOST_FORMULAS]:
             _add_surrogate(page, name, values)
-    picture = draw_responses(study.parameters, found.points, results, page.surrogates, page.folder)
+    formulas = page.surrogates, _residuals_by_thor(page)
+    picture = draw_responses(study.parameters, found.points, results, formulas, page.folder)
     page.pictures += [picture] if picture else []
     shares = {n: sensitivity(s, study.parameters) for n, s in page.surrogates.items()}
     picture = draw_shares(shares, page.folder)
@@ -158,6 +161,40 @@ def _add_design(page: Page) -> None:
     ]
     if rows:
         page.tables.append(Table("Results", ("result", "least", "median", "most"), rows))
+
+
+def _shot_of(page: Page, outcome: Outcome) -> FragmentShot | None:
+    """The shot of a run, where it is one within the range of THOR."""
+    return fragment_shot_of(page.folder / "runs" / outcome.key / "out")
+
+
+def _residuals_by_thor(page: Page) -> dict[str, np.ndarray]:
+    """Residual velocity of each run by THOR (n) [m/s], by the name of the result; not a number
+    where it does not apply.
+    """
+    found: dict[str, np.ndarray] = {}
+    if not any(name.endswith(" residual_velocity") for name in page.results()):
+        return found
+    for k, outcome in enumerate(page.found.outcomes):
+        if (one := _shot_of(page, outcome)) is not None:
+            name = f"{one.shot.projectile.id} residual_velocity"
+            rows = found.setdefault(name, np.full(len(page.found.outcomes), math.nan))
+            rows[k] = float(one.residual(one.shot.speed))
+    return found
+
+
+def _shots_of_limits(page: Page) -> list[FragmentShot | None]:
+    """The shot of each limit whose unknown is its speed, where it is one within the range of THOR;
+    that of the last run of the search.
+    """
+    found, at = [], 0
+    for _, one in page.found.limits:
+        outcomes = page.found.outcomes[at : at + len(one.runs)]
+        at += len(one.runs)
+        shot = _shot_of(page, outcomes[-1]) if outcomes else None
+        same = shot is not None and math.isclose(shot.shot.speed, one.runs[-1][0], rel_tol=1e-6)
+        found.append(shot if same else None)
+    return found
 
 
 def _text(value: float, unit: str) -> str:
@@ -202,13 +239,16 @@ def _add_limits(page: Page) -> None:
     unknown, names = limit.unknown, [p.name for p in study.parameters]
     units = {p.name: p.unit for p in study.parameters}
     rows, lines = [], []
-    for point, one in page.found.limits:
+    shots = _shots_of_limits(page)
+    for (point, one), shot in zip(page.found.limits, shots, strict=True):
         cells = [_point_text(point[n], units[n]) for n in names]
         ends = f"{show(one.low, unknown.unit, 4)} to {show(one.high, unknown.unit, 4)}"
         value = show(one.value, unknown.unit, 4)
-        rows.append((*cells, value, ends, str(len(one.runs)), one.message))
+        thor = [show(shot.limit, "m/s", 4) if shot else "–"] if any(shots) else []
+        rows.append((*cells, value, ends, *thor, str(len(one.runs)), one.message))
         lines.append([point[n] for n in names] + [one.value, one.low, one.high, len(one.runs)])
-    heads = (*names, f"limit of {unknown.name}", "last runs on both sides", "runs", "")
+    thor = [LABEL] if any(shots) else []
+    heads = (*names, f"limit of {unknown.name}", "last runs on both sides", *thor, "runs", "")
     page.tables.append(Table("Limits", heads, rows))
     with (page.folder / "limits.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
@@ -222,10 +262,10 @@ def _add_limits(page: Page) -> None:
     elif len(page.found.limits) > 1:
         along = next((p for p in study.parameters if len(p.values) > 1), None)
         if along is not None and all(isinstance(v, float) for v in along.values):
-            page.pictures.append(draw_limits(along, unknown, page.found.limits, page.folder))
+            page.pictures.append(draw_limits(along, unknown, page.found.limits, shots, page.folder))
             page.sentence = f"Limits of {unknown.name} along {along.name}: {_what(study)}."
     elif page.found.limits:
-        _add_search(page, page.found.limits[0][1])
+        _add_search(page, page.found.limits[0][1], shots[0])
 
 
 def _point_text(value, unit: str) -> str:
@@ -242,8 +282,10 @@ def _what(study: Study) -> str:
     return f"{limit.result} of {size}"
 
 
-def _add_search(page: Page, one: Found) -> None:
-    """One limit alone: its runs, and a fit where they are residual velocities."""
+def _add_search(page: Page, one: Found, shot: FragmentShot | None) -> None:
+    """One limit alone: its runs, a fit where they are residual velocities, and THOR where the shot
+    is one for it.
+    """
     study, limit = page.study, page.study.limit
     result = limit.measured
     outcomes = page.found.outcomes
@@ -251,12 +293,13 @@ def _add_search(page: Page, one: Found) -> None:
     fit = None
     if result.endswith("residual_velocity"):
         speeds = [(x, o.values.get(result, 0.0))
-                  for (x, _), o in zip(one.runs, outcomes, strict=True) if o.done]  # fmt: skip
+                  for (x, y), o in zip(one.runs, outcomes, strict=True)
+                  if o.done and (result in o.values or math.isfinite(y))]  # fmt: skip
         through = [(x, v) for x, v in speeds if v > 0]
         stops = [x for x, v in speeds if not v > 0]
         if len(through) >= 3:
             fit = fit_limit(*zip(*through, strict=True), stops, 3 if len(through) > 3 else 2)
-    asked = (result, abs(limit.target), unit, fit)
+    asked = (result, abs(limit.target), unit, fit, shot)
     page.pictures.append(draw_search(limit.unknown, one, outcomes, asked, page.folder))
     ends = f"{show(one.low, limit.unknown.unit, 4)} to {show(one.high, limit.unknown.unit, 4)}"
     name = limit.unknown.name

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import LogFormatter
 
 from post.blast import free_air
 from post.designs import Parameter
 from post.fragility import Curve
+from post.fragment_reference import LABEL, FragmentShot, draw_thor
 from post.limits import Found, Hyperbola
 from post.reference_curves import LimitFit, lambert_jonas
 from post.runner import Outcome
@@ -47,13 +49,16 @@ def draw_responses(
     parameters: list[Parameter],
     points: list[dict],
     results: dict[str, tuple[np.ndarray, str]],
-    surrogates: dict[str, Surrogate],
+    formulas: tuple[dict[str, Surrogate], dict[str, np.ndarray]],
     folder: Path,
 ) -> Picture | None:
-    """Each result over each parameter; the surrogate with its error at the middle of the others.
+    """Each result over each parameter; the surrogate with its error at the middle of the others,
+    and what THOR has for each run.
 
-    `results` by name: values (n), not a number where a run has none, and the unit.
+    `results` by name: values (n), not a number where a run has none, and the unit. `formulas`:
+    surrogates, and values by THOR (n) in SI units, both by the name of the result.
     """
+    surrogates, by_thor = formulas
     numbers = [one for one in parameters if all(isinstance(p[one.name], float) for p in points)]
     numbers = [p for p in numbers if len({point[p.name] for point in points}) > 1]
     numbers, names = numbers[:MOST_COLUMNS], list(results)[:MOST_ROWS]
@@ -72,12 +77,16 @@ def draw_responses(
             shade = None if one is strongest else tint
             colours = {"color": BLUE} if shade is None else {"c": shade, "cmap": "viridis"}
             axis.scatter(x / xf, values / vf, 11, lw=0, **colours)
+            if name in by_thor:
+                axis.scatter(x / xf, by_thor[name] / vf, 22, marker="x", lw=1, **colours)
             if name in surrogates:
                 _draw_surrogate(axis, surrogates[name], parameters, (one, xf, vf))
             if x.min() > 0 and x.max() > 10 * x.min():
                 axis.set_xscale("log")
             axis.set_xlabel(f"{one.name} {xu}", fontsize=8.5)
         row[0].set_ylabel(f"{name}\n{vu}", fontsize=8.5)
+        if name in by_thor:
+            row[0].set_title(f"crosses: {LABEL}", loc="left", fontsize=9)
     caption = (
         "Every run is a point; in the panels of the others its colour is the parameter that the "
         "result follows most, from low (violet) to high (yellow)."
@@ -223,16 +232,22 @@ def _reflected(charge: float, standoff: float) -> tuple[float, float]:
 
 
 def draw_limits(
-    along: Parameter, unknown: Parameter, limits: list[tuple[dict, Found]], folder: Path
+    along: Parameter,
+    unknown: Parameter,
+    limits: list[tuple[dict, Found]],
+    shots: list[FragmentShot | None],
+    folder: Path,
 ) -> Picture:
-    """A limit along a parameter, with its bracket; of charge and standoff scaled distances."""
+    """A limit along a parameter, with its bracket; of charge and standoff scaled distances, of
+    `shots` (one a limit, None where it does not apply) the limits by THOR.
+    """
     figure, axis = new_figure(1, 3.6)
     x = np.array([point[along.name] for point, _ in limits], float)
     y = np.array([one.value for _, one in limits])
     (xf, xu), (yf, yu) = axis_of(x, along.unit), axis_of(y, unknown.unit)
     low, high = (np.array([getattr(one, end) for _, one in limits]) for end in ("low", "high"))
     bars = np.nan_to_num(np.abs(np.array([y - low, high - y])) / yf)
-    axis.errorbar(x / xf, y / yf, yerr=bars, fmt="o-", color=BLUE, capsize=3, ms=5)
+    axis.errorbar(x / xf, y / yf, yerr=bars, fmt="o-", color=BLUE, capsize=3, ms=5, label="runs")
     if along.unit == "kg" and unknown.unit == "m":
         for z in (0.5, 1, 2, 5, 10, 20):
             line = z * x ** (1 / 3)
@@ -240,8 +255,15 @@ def draw_limits(
                 axis.plot(x / xf, line / yf, color=GREEN, lw=0.8)
                 axis.annotate(f"{z:g} m/kg^(1/3)", (x[-1] / xf, line[-1] / yf), fontsize=7.5,
                               color=GREEN, ha="right")  # fmt: skip
+    if any(shots):
+        by_thor = np.array([math.nan if one is None else one.limit for one in shots])
+        axis.plot(x / xf, by_thor / yf, "x--", color=INK, lw=1, ms=5, label=LABEL)
+        axis.legend(loc="best")
     axis.set_xscale("log")
     axis.set_yscale("log")
+    for side in (axis.xaxis, axis.yaxis):
+        side.set_major_formatter(lambda value, _: f"{value:g}")
+        side.set_minor_formatter(LogFormatter())  # fewer of them the longer the axis
     axis.set_xlabel(f"{along.name} {xu}")
     axis.set_ylabel(f"{unknown.name} {yu}")
     caption = "Limits, each with the last runs on both sides of it."
@@ -252,12 +274,14 @@ def draw_search(
     unknown: Parameter, found: Found, outcomes: list[Outcome], asked: tuple, folder: Path
 ) -> Picture:
     """The runs of one limit: response over unknown, target and bracket; residual velocities with
-    the fit of Lambert and Jonas. `asked`: result, its target, unit, and a fit or None.
+    the fit of Lambert and Jonas. `asked`: result, its target, unit, a fit or None, and a shot for
+    THOR or None.
     """
-    result, target, unit, fit = asked
+    result, target, unit, fit, shot = asked
     figure, axis = new_figure(1, 3.4)
     x = np.array([row[0] for row in found.runs])
-    y = np.array([one.values.get(result, 0.0 if one.done else math.nan) for one in outcomes])
+    y = np.array([one.values.get(result, 0.0 if one.done and math.isfinite(row[1]) else math.nan)
+                  for row, one in zip(found.runs, outcomes, strict=True)])  # fmt: skip
     (xf, xu), (yf, yu) = axis_of(x, unknown.unit), axis_of(y, unit)
     axis.plot(x / xf, np.abs(y) / yf, "o", color=BLUE, ms=5, label="runs")
     if math.isfinite(found.low) and math.isfinite(found.high):
@@ -271,6 +295,11 @@ def draw_search(
         axis.plot(grid / xf, grid / yf, color=GREY, lw=0.9, ls=":", label="nothing lost")
     elif target:
         axis.axhline(target / yf, color=INK, lw=1, ls="--", label="target")
+    if shot is not None and result.endswith("residual_velocity"):
+        draw_thor(axis, shot, (min(shot.limit, x.min()), x.max()), (xf, yf), INK)
+    elif shot is not None:
+        text = f"{shot.label}: limit {show(shot.limit, 'm/s')}"
+        axis.axvline(shot.limit / xf, color=INK, lw=1.2, ls="--", label=text)
     axis.set_xlabel(f"{unknown.name} {xu}")
     axis.set_ylabel(f"{result} {yu}")
     axis.legend(loc="upper left")

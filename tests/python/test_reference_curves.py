@@ -13,8 +13,13 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE.parents[1]), str(HERE)]
 
 from synthetic_run import save  # noqa: E402
+from test_results import SHOT, Range  # noqa: E402
 
 from post.compare import compare  # noqa: E402
+from post.deck import Deck  # noqa: E402
+from post.designs import Parameter  # noqa: E402
+from post.fragment_reference import draw_fragments, fragment_rows, fragment_shots  # noqa: E402
+from post.limits import Found  # noqa: E402
 from post.plate_reference import plate_references  # noqa: E402
 from post.reader import Run  # noqa: E402
 from post.reference_curves import (  # noqa: E402
@@ -27,6 +32,10 @@ from post.reference_curves import (  # noqa: E402
     thor,
     thor_limit,
 )
+from post.runner import Outcome  # noqa: E402
+from post.study import Results  # noqa: E402
+from post.study_page import Page, _shots_of_limits  # noqa: E402
+from post.study_pictures import draw_limits, draw_search  # noqa: E402
 
 SQUARE = ClampedPlate(1.6e-3, 7850, 290e6, sides=(0.089, 0.089))
 
@@ -131,3 +140,97 @@ def test_thor_is_its_hand_calculation():
     for wrong in ({"mass": 0.0}, {"thickness": -1.0}, {"angle": math.pi / 2}):
         with pytest.raises(ValueError, match="THOR"):
             thor(500.0, **shot | wrong)
+
+
+FRAGMENT = """
+&run t_end = 1e-4, symmetry = 'x', 'y' /
+&material id = 'hard', model = 'linear_elastic', density = 7838, youngs_modulus = 204e9,
+  poisson_ratio = 0.33 /
+&material id = 'mild', model = 'cowper_symonds', density = 7850, youngs_modulus = 200e9,
+  poisson_ratio = 0.3, yield_stress = 250e6 /
+&body id = 'plate', box = -0.03,0.03, -0.03,0.03, -0.006,0, spacing = 1e-3, material = 'mild' /
+&body id = 'shard', shape = 'cylinder', axis = 'z', centre = 0,0,0.007, radius = 6e-3,
+  length = 0.014, spacing = 1e-3, material = 'hard', velocity = 0,0,-600 /
+"""
+MASS, AREA = math.pi * 6e-3**2 * 0.014 * 7838, math.pi * 6e-3**2
+
+
+def test_thor_is_for_compact_steel_on_mild_steel():
+    (one,) = fragment_shots(Deck(FRAGMENT))
+    assert (one.mass, one.area, one.thickness, one.angle) == pytest.approx((MASS, AREA, 6e-3, 0))
+    assert one.residual(600.0) == thor(600.0, MASS, AREA, 6e-3)
+    assert one.limit == thor_limit(MASS, AREA, 6e-3)
+    oblique = FRAGMENT.replace("0,0,-600", "-300,0,-300").replace("0,0,0.007", "0.008,0,0.009")
+    (one,) = fragment_shots(Deck(oblique))
+    assert one.angle == pytest.approx(math.pi / 4)
+    assert one.area == pytest.approx((AREA + 12e-3 * 0.014) / math.sqrt(2))
+    cube = "box = 0,6e-3, 0,6e-3, 0.001,0.013, spacing"  # a quarter: 12 mm wide
+    (one,) = fragment_shots(Deck(FRAGMENT.replace("radius = 6e-3", cube.removesuffix(", spacing"))
+                                 .replace("'cylinder'", "'box'")))  # fmt: skip
+    assert (one.mass, one.area) == pytest.approx((7838 * 12e-3**3, 12e-3**2))
+    ball = FRAGMENT.replace("'cylinder'", "'sphere'")
+    (one,) = fragment_shots(Deck(ball))
+    assert (one.mass, one.area) == pytest.approx((7838 * 4 / 3 * math.pi * 6e-3**3, AREA))
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("7838", "2700"),  # no steel
+        ("250e6", "500e6"),  # no mild steel
+        ("length = 0.014", "length = 0.04"),  # a rod
+        ("radius = 6e-3", "radius = 6e-3, inner_radius = 2e-3"),
+        ("radius = 6e-3", "radius = 13e-3"),  # 58 g
+        ("&run", "&run dimension = 2,"),
+        ("0,0,-600", "0,0,0"),
+    ],
+)
+def test_thor_is_not_for_others(old, new):
+    assert fragment_shots(Deck(FRAGMENT)) and not fragment_shots(Deck(FRAGMENT.replace(old, new)))
+
+
+def test_the_report_has_thor_beside_a_shot(tmp_path):
+    """A rod that is a compact cube behind a plate of mild steel: row and picture."""
+    law = "density = 7850, youngs_modulus = 200e9, poisson_ratio = 0.3, yield_stress = 250e6"
+    deck = SHOT.replace("model = 'bilinear_j2'", f"model = 'bilinear_j2', {law}")
+    made = Range()
+    made.deck = deck
+    run = made.run(tmp_path / "out")
+    (row,) = fragment_rows(run)
+    mass, area = 7850 * 6e-3 * 6e-3 * 12e-3, 36e-6
+    assert row.measured == pytest.approx(500) and row.gauge == "rod"
+    assert row.reference == pytest.approx(float(thor(800.0, mass, area, 4e-3)))
+    assert "from memory" in row.source and "limit" in row.source
+    picture = draw_fragments(run, tmp_path)
+    assert picture.path.is_file() and "Project THOR" in picture.caption
+    assert "not verified" in picture.caption and "500 m/s are left" in picture.caption
+    made = Range(fallen=0.006)  # still in the plate
+    made.deck = deck
+    run = made.run(tmp_path / "inside")
+    assert math.isnan(fragment_rows(run)[0].measured)
+    assert "neither through nor at rest" in draw_fragments(run, tmp_path).caption
+
+
+def test_limits_of_studies_have_thor_where_the_unknown_is_the_speed(tmp_path):
+    """Two limits: of the speed, and of a number that is none; the last run of each has its deck."""
+    outcomes = []
+    for k, speed in enumerate((300, 600, 300, 600)):
+        out = tmp_path / "runs" / f"run{k}" / "out"
+        out.mkdir(parents=True)
+        (out / "a.echo.nml").write_text(FRAGMENT.replace("-600", f"-{speed}"))
+        save(out / "bodies.csv", {"time[s]": np.array([0.0, 1e-4])})
+        left = {"shard residual_velocity": 200.0} if speed == 600 else {}
+        outcomes.append(Outcome(f"run{k}", "done", values=left, units=dict.fromkeys(left, "m/s")))
+    fast, other = (Found(430.0, 300.0 * f, 600.0 * f, [(300.0 * f, 0.0), (600.0 * f, 1.0)])
+                   for f in (1, 0.1))  # fmt: skip
+    found = Results(outcomes=outcomes, limits=[({"x": 1.0}, fast), ({"x": 2.0}, other)])
+    shots = _shots_of_limits(Page(None, tmp_path, found))
+    assert shots[0].limit == thor_limit(MASS, AREA, 6e-3) and shots[1] is None
+    speed, x = Parameter("speed", "m/s"), Parameter("x", "m")
+    asked = ("shard residual_velocity", 0.0, "m/s", None, shots[0])
+    for picture in (
+        draw_search(speed, fast, outcomes[:2], asked, tmp_path),
+        draw_search(speed, fast, outcomes[:2], ("shard velocity_z", *asked[1:]), tmp_path),
+        draw_limits(x, speed, found.limits, shots, tmp_path),
+    ):
+        assert picture.path.stat().st_size > 10_000
