@@ -30,7 +30,9 @@ if TYPE_CHECKING:
 
 TOO_MANY = 0.2  # share of failures from which a study ends
 LEAST_FAILED = 5  # but not before so many have failed
-FULL = 40_000  # particles of a run on a GPU up to which more of them cost next to nothing
+# particles of a run on a GPU up to which more of them should cost next to nothing: four slabs of
+# 10,900, as 64 of them go four times as fast as one alone (docs/evidence/performance.md)
+FULL = 40_000
 MOST_AT_ONCE = 7  # points that split a bracket
 BESIDE = 3  # points of a secant: its end, and one to each side
 
