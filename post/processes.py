@@ -31,7 +31,7 @@ class Processes:
         self.stopping.set()
         with self._lock:
             for process in self._going:
-                process.send_signal(signal.SIGUSR2)
+                os.kill(process.pid, signal.SIGUSR2)
 
     def run(
         self,
@@ -58,24 +58,27 @@ class Processes:
             self.started += 1
             self._going.add(process)
             if self.stopping.is_set():
-                process.send_signal(signal.SIGUSR2)
-        status, usage = _end_of(process, self.limit)
-        with self._lock:
-            self._going.discard(process)
+                os.kill(process.pid, signal.SIGUSR2)
+        status, usage = self._end_of(process)
         code = os.waitstatus_to_exitcode(status)
         process.returncode = code
         return code if code >= 0 else 128 - code, usage.ru_utime + usage.ru_stime
 
-
-def _end_of(process: subprocess.Popen, limit: float):
-    """Status and resources of a process that has ended."""
-    begun = time.monotonic()
-    while True:
-        pid, status, used = os.wait4(process.pid, os.WNOHANG)
-        if pid:
-            return status, used
-        if time.monotonic() - begun > limit:
-            process.kill()
-            _, _, used = os.wait4(process.pid, 0)
-            return TOO_LONG << 8, used
-        time.sleep(min(0.05, 0.005 + 0.05 * (time.monotonic() - begun)))
+    def _end_of(self, process: subprocess.Popen):
+        """Status and resources of a process that has ended. Signals go by `os.kill`: those of
+        `Popen` look whether it has ended, and nothing is left to wait for then.
+        """
+        begun = time.monotonic()
+        while True:
+            with self._lock:  # a process that nobody has waited for keeps its number
+                pid, status, used = os.wait4(process.pid, os.WNOHANG)
+                if pid:
+                    self._going.discard(process)
+                    return status, used
+            if time.monotonic() - begun > self.limit:
+                with self._lock:
+                    os.kill(process.pid, signal.SIGKILL)
+                    _, _, used = os.wait4(process.pid, 0)
+                    self._going.discard(process)
+                return TOO_LONG << 8, used
+            time.sleep(min(0.05, 0.005 + 0.05 * (time.monotonic() - begun)))
