@@ -10,7 +10,8 @@ module brz_cut_driver
     use brz_cut_cells, only: cut_cells_t
     use brz_cut_cluster_loops, only: for_each_cut_adopt, for_each_cut_follow, &
         for_each_cut_mean_state, for_each_cut_point, for_each_cut_shut_pocket, for_each_cut_weigh
-    use brz_cut_motion_loops, only: for_each_cut_find_carrier, for_each_cut_sum_load, &
+    use brz_cut_motion_loops, only: for_each_cut_find_carrier, for_each_cut_find_push, &
+        for_each_cut_push_node, for_each_cut_sum_load, &
         for_each_cut_sum_push, for_each_cut_sweep, for_each_cut_tame, for_each_cut_wall_velocity
     use brz_cut_list_loops, only: for_each_cut_cell_of, for_each_cut_find_beside, &
         for_each_cut_find_home, for_each_cut_mark, for_each_cut_mark_listed, &
@@ -149,6 +150,9 @@ contains
         call at_least(on_gpu, cells%thickness, n, err)
         call at_least(on_gpu, cells%ball, n, err)
         call at_least(on_gpu, cells%force, 3, n, err)
+        call at_least(on_gpu, cells%impedance, 3, n, err)
+        call at_least(on_gpu, cells%press, 3, n, err)
+        call at_least(on_gpu, cells%give, 3, n, err)
         call at_least(on_gpu, cells%bearing, n, err)
         call at_least(on_gpu, cells%gas, n, err)
         call at_least(on_gpu, cells%shut, n, err)
@@ -339,6 +343,7 @@ contains
             c%bodies = size(c%driven)
         else
             call push_carriers(air, solid, c, dt, err)
+            call push_nodes(air, solid, c, dt, err)
         end if
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
             if (.not. dt > 0) call for_each_cut_find_carrier(g, l%n, nodes, c%bodies, c%driven, &
@@ -353,6 +358,30 @@ contains
                                     l%v, l%swept, err)
         end associate
     end subroutine move_cut_walls
+
+    !> Bring the nodes whose particles nothing carries to the middle of the coming step.
+    subroutine push_nodes(air, p, c, dt, err)
+        type(air_t), intent(in) :: air
+        class(bodies_t), intent(in) :: p !! particles
+        type(coupling_t), intent(inout) :: c
+        real(dp), intent(in) :: dt !! of the coming step of the air [s]
+        type(error_t), intent(inout) :: err
+        real(dp), parameter :: whole = 1 !! force is impulse in a second
+
+        if (all(c%driven%carries == carries_all)) return
+        associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
+            call for_each_cut_find_push(g, l%n, nodes, air%scheme, c%reference_pressure, l%place, &
+                                        l%shut, l%area, l%v, l%carrier, air%u, l%press, l%give, err)
+            call for_each_cut_bear(g, l%n, nodes, whole, 0.0_rk, l%cell, l%slot, l%mass, &
+                                   l%bearing, l%area, l%middle, l%give, l%impedance, l%moment, err)
+            call for_each_cut_bear(g, l%n, nodes, whole, 0.0_rk, l%cell, l%slot, l%mass, &
+                                   l%bearing, l%area, l%middle, l%press, l%force, l%moment, err)
+            call for_each_cut_push_node(g, l%n, nodes, p%wide, p%stride_d, p%stride_p, c%bodies, &
+                real(dt, rk), real(c%dt_before, rk), c%driven, l%cell, l%slot, l%bin_ends, &
+                l%binned, p%x, p%v, p%mass, p%load, c%v_before, p%id, p%fixed, l%mass, l%force, &
+                l%impedance, l%momentum, err)
+        end associate
+    end subroutine push_nodes
 
     !> Bring the bodies that carry particles to the middle of the coming step.
     subroutine push_carriers(air, solid, c, dt, err)

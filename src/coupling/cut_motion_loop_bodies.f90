@@ -10,12 +10,14 @@ module brz_cut_motion_loop_bodies
         driven_body_t, is_carried
     use brz_gas, only: to_primitive
     use brz_kinds, only: dp, int32, int64, rk
+    use brz_load_rules, only: pushed_velocity
     use brz_particle_marks, only: is_fixed
     use brz_scheme, only: mixture_gamma, scheme_t
     use brz_wall_riemann, only: wall_star
     implicit none
     private
-    public :: cut_find_carrier, cut_wall_velocity, cut_sum_push, cut_tame, cut_sweep, cut_sum_load
+    public :: cut_find_carrier, cut_find_push, cut_push_node, cut_wall_velocity, cut_sum_push, &
+        cut_tame, cut_sweep, cut_sum_load
 
     real(rk), parameter :: most_taken = 0.5_rk !! of a cluster's gas that walls take in a step
     real(rk), parameter :: band = 0.1_rk !! volume that a cell may be off its geometry, in cells
@@ -145,6 +147,142 @@ contains
         end do
     end subroutine cut_wall_velocity
 
+    !> Force of the gas on the wall of a cell if it keeps its motion, and how it falls if it yields.
+    !@cuf attributes(host,device) &
+    pure subroutine push_on_wall(s, nodes, scheme, reference, place, area, v, u, force, yield)
+        integer, intent(in) :: s !! entry
+        type(node_grid_t), intent(in) :: nodes
+        type(scheme_t), intent(in) :: scheme
+        real(rk), intent(in) :: reference !! pressure that is taken off [Pa]
+        integer(int32), intent(in) :: place(*)
+        real(rk), intent(in) :: area(3, *), v(3, *), u(*)
+        real(rk), intent(out) :: force(3) !! [N]
+        real(rk), intent(out) :: yield(3) !! loss of force per velocity [N s/m]
+        real(rk) :: du, gamma, p_star, q(5), rho_star, w(5), whole
+        integer :: c, d
+
+        do d = 1, 3
+            force(d) = 0
+            yield(d) = 0
+        end do
+        whole = sqrt(area(1, s)**2 + area(2, s)**2 + area(3, s)**2)
+        if (.not. whole > 0) return
+        do c = 1, 5
+            q(c) = u(place(s) + (c - 1)*nodes%grid%apart)
+        end do
+        gamma = scheme%gamma
+        if (nodes%grid%n_var == 6) gamma = mixture_gamma(scheme, u(place(s) + 5*nodes%grid%apart) &
+                                                         /q(1))
+        call to_primitive(gamma, q, w)
+        du = 0
+        do d = 1, 3
+            du = du + (w(1 + d) - v(d, s))*area(d, s)/whole
+        end do
+        call wall_star(gamma, w(1), w(5), du, p_star, rho_star)
+        do d = 1, 3
+            force(d) = (p_star - reference)*area(d, s)
+            yield(d) = sqrt(gamma*p_star*rho_star)*area(d, s)**2/whole
+        end do
+    end subroutine push_on_wall
+
+    !> The same for the walls that no body carries; none for the others.
+    !@loop_body if(27*n >= worth_threads) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine cut_find_push(s, nodes, scheme, reference, place, shut, area, v, carrier, u, &
+                                  press, give)
+        integer, intent(in) :: s !! entries
+        type(node_grid_t), intent(in) :: nodes
+        type(scheme_t), intent(in) :: scheme
+        real(rk), intent(in) :: reference !! pressure that is taken off [Pa]
+        integer(int32), intent(in) :: place(*), shut(*)
+        real(rk), intent(in) :: area(3, *), v(3, *)
+        integer(int32), intent(in) :: carrier(*)
+        real(rk), intent(in) :: u(*)
+        real(rk), intent(inout) :: press(3, *) !! force [N]
+        real(rk), intent(inout) :: give(3, *) !! loss of it per velocity [N s/m]
+        real(rk) :: force(3), yield(3)
+        integer :: d
+
+        do d = 1, 3
+            press(d, s) = 0
+            give(d, s) = 0
+        end do
+        if (place(s) == 0 .or. shut(s) /= 0 .or. carrier(s) > 0) return
+        call push_on_wall(s, nodes, scheme, reference, place, area, v, u, force, yield)
+        do d = 1, 3
+            press(d, s) = force(d)
+            give(d, s) = yield(d)
+        end do
+    end subroutine cut_find_push
+
+    !> Bring the momentum of a node whose particles move as they like to the middle of the coming
+    !> step: they go on as in the last one, changed by what the gas now pushes more (see
+    !> pushed_velocity). So solids of less weight than a cell of gas stay stable.
+    !@loop_body if(27*n >= worth_threads) schedule(dynamic, 64)
+    !@cuf attributes(host,device) &
+    pure subroutine cut_push_node(s, nodes, wide, stride_d, stride_p, bodies, dt, dt_before, &
+                                  driven, cell, slot, ends, binned, x, v, mass, load, v_before, &
+                                  id, fixed, node_mass, force, impedance, momentum)
+        integer, intent(in) :: s !! entries
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: wide, bodies !! rows of x and v, bodies
+        integer, intent(in) :: stride_d, stride_p !! distances in `load` of directions, of particles
+        real(rk), intent(in) :: dt, dt_before !! this and the last step of the air, 0: none [s]
+        type(driven_body_t), intent(in) :: driven(bodies)
+        integer(int32), intent(in) :: cell(*), slot(*), ends(*), binned(*)
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: v(wide, *), mass(*), load(*)
+        real(rk), intent(in) :: v_before(3, *) !! by the number of a particle, a step ago [m/s]
+        integer(int32), intent(in) :: id(*), fixed(*)
+        real(dp), intent(in) :: node_mass(*)
+        real(dp), intent(in) :: force(3, *), impedance(3, *) !! of the gas on the node
+        real(dp), intent(inout) :: momentum(3, *)
+        real(dp) :: share, y(3)
+        real(rk) :: all_force(3), gas_load(3), speed
+        integer :: b, d, i, ijk(3), j, k, low(3), p, q
+
+        if (.not. node_mass(s) > 0) return
+        ijk = cell_at(nodes%n, cell(s))
+        do d = 1, 3
+            all_force(d) = 0
+            gas_load(d) = 0
+            low(d) = merge(ijk(d) - 1, ijk(d), nodes%n(d) > 1)
+        end do
+        do k = low(3), ijk(3)
+            do j = low(2), ijk(2)
+                do i = low(1), ijk(1)
+                    b = entry_at(nodes, i, j, k, slot)
+                    if (b == 0) cycle
+                    do q = ends(b) + 1, ends(b + 1)
+                        p = binned(q)
+                        do d = 1, 3
+                            y(d) = x(d, p)
+                        end do
+                        share = tent(nodes, ijk, y)
+                        if (.not. share > 0) cycle
+                        if (fixed(p) == is_fixed) return
+                        if (is_carried(driven(driven_body_at(bodies, driven, p))%carries, .false.)) &
+                            return
+                        if (.not. dt_before > 0) cycle
+                        do d = 1, 3
+                            gas_load(d) = gas_load(d) + real(share, rk) &
+                                          *load(1 + (d - 1)*stride_d + (p - 1)*stride_p)
+                            all_force(d) = all_force(d) + real(share, rk)*mass(p) &
+                                           *(v(d, p) - v_before(d, id(p)))/dt_before
+                        end do
+                    end do
+                end do
+            end do
+        end do
+        do d = 1, 3
+            if (nodes%n(d) == 1) cycle
+            speed = pushed_velocity(real(momentum(d, s)/node_mass(s), rk), all_force(d), &
+                                    real(force(d, s), rk) - gas_load(d), &
+                                    real(impedance(d, s), rk), real(node_mass(s), rk), dt)
+            momentum(d, s) = node_mass(s)*speed
+        end do
+    end subroutine cut_push_node
+
     !> Force and torque of the gas on the walls that a body carries if it keeps its motion, and how
     !> they fall if it yields.
     !@loop_body
@@ -163,28 +301,15 @@ contains
         real(rk), intent(in) :: u(*)
         real(dp), intent(inout) :: push(18) !@exact n_push of brz_driven_body_rules
         real(dp) :: arm(3)
-        real(rk) :: du, force(3), gamma, p_star, q(5), rho_star, w(5), whole, x(3), yield(3)
-        integer :: c, d
+        real(rk) :: force(3), x(3), yield(3)
+        integer :: d
 
         if (carrier(s) /= body .or. shut(s) /= 0) return
-        whole = sqrt(area(1, s)**2 + area(2, s)**2 + area(3, s)**2)
-        if (.not. whole > 0) return
-        do c = 1, 5
-            q(c) = u(place(s) + (c - 1)*nodes%grid%apart)
-        end do
-        gamma = scheme%gamma
-        if (nodes%grid%n_var == 6) gamma = mixture_gamma(scheme, u(place(s) + 5*nodes%grid%apart) &
-                                                         /q(1))
-        call to_primitive(gamma, q, w)
-        du = 0
+        call push_on_wall(s, nodes, scheme, reference, place, area, v, u, force, yield)
         do d = 1, 3
-            du = du + (w(1 + d) - v(d, s))*area(d, s)/whole
             x(d) = middle(d, s)
         end do
-        call wall_star(gamma, w(1), w(5), du, p_star, rho_star)
         do d = 1, 3
-            force(d) = (p_star - reference)*area(d, s)
-            yield(d) = sqrt(gamma*p_star*rho_star)*area(d, s)**2/whole
             arm(d) = wall_place(nodes, cell(s), x, d) - driven%centre(d)
         end do
         call add_force(arm, force, push)

@@ -6,6 +6,7 @@ module cut_scenes
     use brz_air_sums, only: air_time_step
     use brz_cut_cells, only: cut_cells_t
     use brz_kinds, only: dp, rk
+    use brz_particle_marks, only: is_fixed
     use brz_scheme, only: hllc, muscl_cells
     use coupling_tools, only: box_scene_t, c0, fill, move, open_box, p0, put_body, rho0
     use shared_steps, only: air_step, reclassify, set_wall_velocity, spread_load
@@ -42,6 +43,7 @@ contains
         scene%free = .false.
         call put_body(scene, x, spacing**count(scene%air%n > 1), 1.0_dp*size(x, 2), &
                       [0.0_dp, 0.0_dp, 0.0_dp], cut=.true.)
+        scene%solid%fixed = is_fixed
     end subroutine hold
 
     !> Put particles in that move alike; the gas moves them, or, without mass, nothing does.
@@ -56,6 +58,7 @@ contains
         volume = spacing**count(scene%air%n > 1)
         scene%free = density > 0
         call put_body(scene, x, volume, abs(density)*rho0*volume*size(x, 2), v, cut=.true.)
+        if (.not. scene%free) scene%solid%fixed = is_fixed ! nothing but the test moves them
     end subroutine carry
 
     !> One step of air and body, of at most dt_max.

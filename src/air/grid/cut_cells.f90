@@ -56,6 +56,8 @@ module brz_cut_cells
         integer(int32), allocatable :: heaviest(:) !! (n) particle of the most mass there, 0: none
         real(dp), allocatable :: force(:, :) !! (3, n) load that the node hands to particles [N]
         real(dp), allocatable :: moment(:, :) !! (3, n) its torque about the low corner [N m]
+        real(dp), allocatable :: impedance(:, :) !! (3, n) loss of force of a node per velocity
+                                                 !! [N s/m]
         real(dp), allocatable :: bearing(:) !! (n) mass of the nodes that bear the load of the cell,
                                             !! < 0: those around it [kg]
         ! cells
@@ -65,6 +67,8 @@ module brz_cut_cells
         real(rk), allocatable :: middle(:, :) !! (3, n) of the wall, from the low corner
         real(rk), allocatable :: area(:, :) !! (3, n) of the wall, out of the gas [m2]
         real(rk), allocatable :: v(:, :) !! (3, n) velocity of the wall [m/s]
+        real(rk), allocatable :: press(:, :) !! (3, n) force on the wall if it keeps its motion [N]
+        real(rk), allocatable :: give(:, :) !! (3, n) loss of it per velocity [N s/m]
         integer(int32), allocatable :: carrier(:) !! (n) body that carries the wall, 0: none
         real(rk), allocatable :: volume(:) !! (n) of the gas, integrated
         real(rk), allocatable :: held(:) !! (n) gas by which clusters are made
