@@ -9,6 +9,8 @@ module brz_coupling_copy
     use brz_coupling_device, only: diag_high, diag_low, n_diag, n_sums
     use brz_coupling_state, only: coupling_t, put_sums, sums_in
     use brz_coupling_windows, only: open_windows_of_gpus
+    use brz_cut_cells, only: cut_cells_t
+    use brz_cut_start_driver, only: begin_cut_cells, enter_cut_cells
     use brz_deferred_source_driver, only: enter_deferred_sources, size_deferred_sources
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out
     use brz_device_data, only: enter_bytes, enter_data, update_device, update_host
@@ -46,7 +48,12 @@ contains
         call attach(c%wall%solid, air%device%walls%solid)
         call attach(c%wall%index, air%device%walls%index)
         c%wall%n_cells = 0
-        if (several(air%part%ranks)) then
+        if (c%wall%cells%present) then
+            air%device%grid%walls = 2
+            air%grid%walls = 2
+            call enter_cut_cells(c%wall%cells, err)
+            call begin_cut_cells(air, solid, c, err)
+        else if (several(air%part%ranks)) then
             call open_windows_of_gpus(air, c, err)
             call put_halos(c, err)
             call renew_coupling_ghosts(solid, c, err)
@@ -54,7 +61,7 @@ contains
         else
             call begin_walls(air, solid, c, err)
         end if
-        call put_deferred_sources(c, err)
+        if (.not. c%wall%cells%present) call put_deferred_sources(c, err)
         call put_diagnostics(c, err)
     end subroutine open_gpu_coupling
 
@@ -154,11 +161,16 @@ contains
         if (.not. c%device%walls_fetched) then
             call update_host(c%wall%solid, err)
             if (failed(err)) return
-            call build_walls(air, c%wall) ! as many cells and faces: all that has a copy stays
+            ! as many cells and faces: all that has a copy stays
+            if (.not. c%wall%cells%present) call build_walls(air, c%wall)
             c%device%walls_fetched = .true.
         end if
-        call update_host(c%wall%v(:, :c%wall%n_cells), err)
         if (allocated(c%v_before)) call update_host(c%v_before, err)
+        if (c%wall%cells%present) then
+            call fetch_cut_cells(c%wall%cells, err)
+        else
+            call update_host(c%wall%v(:, :c%wall%n_cells), err)
+        end if
         if (c%n_deferred > 0) then
             call update_host(c%deferred_cell(:c%n_deferred), err)
             call update_host(c%deferred(:, :c%n_deferred), err)
@@ -166,14 +178,35 @@ contains
         call fetch_diagnostics(c, err)
     end subroutine fetch_coupling
 
+    !> What a checkpoint has of the list of cut cells.
+    subroutine fetch_cut_cells(cells, err)
+        type(cut_cells_t), intent(inout) :: cells
+        type(error_t), intent(inout) :: err
+
+        associate (n => cells%n)
+            if (n == 0) return
+            call update_host(cells%volume(:n), err)
+            call update_host(cells%kept(:, :n), err)
+            call update_host(cells%shut(:n), err)
+            call update_host(cells%master(:n), err)
+        end associate
+    end subroutine fetch_cut_cells
+
     !> What fetch_coupling reads.
     subroutine note_coupling(c, snapshot)
         type(coupling_t), intent(in) :: c
         type(snapshot_t), intent(inout) :: snapshot
 
-        call snapshot%note([buffer_of(c%wall%solid), buffer_of(c%wall%v), &
-                            buffer_of(c%deferred_cell), buffer_of(c%deferred), &
-                            c%device%diag%buffer_t])
+        call snapshot%note([buffer_of(c%wall%solid), c%device%diag%buffer_t])
+        if (c%wall%cells%present) then
+            associate (l => c%wall%cells)
+                call snapshot%note([buffer_of(l%volume), buffer_of(l%kept), buffer_of(l%shut), &
+                                    buffer_of(l%master)])
+            end associate
+        else
+            call snapshot%note([buffer_of(c%wall%v), buffer_of(c%deferred_cell), &
+                                buffer_of(c%deferred)])
+        end if
         if (allocated(c%v_before)) call snapshot%note([buffer_of(c%v_before)])
     end subroutine note_coupling
 
@@ -187,8 +220,13 @@ contains
 
         nothing = 0
         call clear_buffer(c%device%speed, err)
-        call for_each_wall_speed(.true., c%wall%n_cells, air%grid, c%wall%v, nothing, &
-                                 c%device%speed, err)
+        if (c%wall%cells%present) then
+            call for_each_wall_speed(.true., c%wall%cells%n, air%grid, c%wall%cells%v, nothing, &
+                                     c%device%speed, err)
+        else
+            call for_each_wall_speed(.true., c%wall%n_cells, air%grid, c%wall%v, nothing, &
+                                     c%device%speed, err)
+        end if
         part = 0
         call copy_out(c%device%speed, part, 8_int64*size(part), err)
         fastest = maxval(part)

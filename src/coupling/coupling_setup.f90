@@ -14,8 +14,8 @@ module brz_coupling_setup
     use brz_coupling_state, only: coupling_t
     use brz_coupling_driver, only: move_walls
     use brz_coupling_windows, only: see_halo
-    use brz_cut_driver, only: find_cut_cells, find_shapes, mix_clusters, move_cut_walls, &
-        resume_volumes, set_up_cut_cells, start_volumes
+    use brz_cut_driver, only: mix_clusters
+    use brz_cut_start_driver, only: begin_cut_cells, set_up_cut_cells
     use brz_deferred_source_driver, only: enter_deferred_sources, size_deferred_sources
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_reclassification_driver, only: put_up_walls
@@ -275,25 +275,6 @@ contains
         end if
     end subroutine restart_coupling
 
-    !> Shapes of the cut cells as the particles say, and gas as they leave room for it.
-    subroutine begin_cut_cells(air, p, coupling)
-        type(air_t), intent(in) :: air
-        class(bodies_t), intent(in) :: p !! bodies and particles
-        type(coupling_t), intent(inout) :: coupling
-        type(error_t) :: none
-        logical :: renewed
-
-        coupling%wall%solid = 0
-        call find_cut_cells(p, coupling, renewed, none)
-        call find_shapes(p, coupling, none)
-        if (coupling%wall%cells%resumes) then
-            call resume_volumes(coupling, none)
-        else
-            call start_volumes(coupling, none)
-        end if
-        call move_cut_walls(air, p, coupling, 0.0_dp, none)
-    end subroutine begin_cut_cells
-
     subroutine begin_walls(air, solid, p, coupling)
         type(air_t), intent(inout) :: air
         class(bodies_t), intent(in) :: solid !! bodies
@@ -303,7 +284,7 @@ contains
 
         coupling%cell_of = -1
         if (coupling%wall%cells%present) then
-            call begin_cut_cells(air, p, coupling)
+            call begin_cut_cells(air, p, coupling, none)
             return
         end if
         ! from none: a checkpoint has a map, and not the lists that belong to it

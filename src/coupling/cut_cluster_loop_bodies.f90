@@ -2,11 +2,13 @@
 !> Clusters of small cells (cell merging): a cell with little gas shares one state with a neighbour,
 !> so that the time step is that of whole cells. No cluster reaches through a face that is shut.
 module brz_cut_cluster_loop_bodies
+    use brz_air_grid, only: rest_t
     use brz_cut_cells, only: node_grid_t
     use brz_kinds, only: int32, rk
     implicit none
     private
-    public :: cut_weigh, cut_point, cut_follow, cut_adopt, cut_shut_pocket, cut_mean_state
+    public :: cut_weigh, cut_point, cut_follow, cut_adopt, cut_shut_pocket, cut_empty_shut, &
+        cut_mean_state
 
     real(rk), parameter :: small = 0.5_rk !! cells with less gas join a neighbour
     real(rk), parameter :: pocket = 0.25_rk !! clusters with less gas are shut
@@ -113,13 +115,24 @@ contains
         end do
     end subroutine cut_shut_pocket
 
+    !> A cell that is shut holds no gas by geometry either.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_empty_shut(s, shut, gas)
+        integer, intent(in) :: s !! entries
+        integer(int32), intent(in) :: shut(*)
+        real(rk), intent(inout) :: gas(*)
+
+        if (shut(s) /= 0) gas(s) = 0
+    end subroutine cut_empty_shut
+
     !> One state for the members of a cluster: the mean by volume.
     !@loop_body
     !@cuf attributes(host,device) &
     pure subroutine cut_mean_state(s, nodes, rest, place, master, ends, member, volume, u)
         integer, intent(in) :: s !! entries; masters alone do something
         type(node_grid_t), intent(in) :: nodes
-        real(rk), intent(in) :: rest(*) !! conserved variables of what is shut
+        type(rest_t), intent(in) :: rest !! what is shut
         integer(int32), intent(in) :: place(*), master(*), ends(*), member(*)
         real(rk), intent(in) :: volume(*)
         real(rk), intent(inout) :: u(*)
@@ -139,7 +152,7 @@ contains
                                                  - own)
             end do
             if (all > 0) mean = own + mean/all
-            if (.not. all > 0) mean = rest(c)
+            if (.not. all > 0) mean = rest%u(c)
             do q = ends(s) + 1, ends(s + 1)
                 u(place(member(q)) + (c - 1)*nodes%grid%apart) = mean
             end do

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Cut cells: list, shapes, clusters and loads, the operations in their order.
 module brz_cut_driver
+    use brz_air_grid, only: rest_t
     use brz_air_state, only: air_t
     use brz_bin_loops, only: for_each_sort_bin
     use brz_cell_loop_bodies, only: cells_of_a_chunk
@@ -9,32 +10,34 @@ module brz_cut_driver
     use brz_coupling_state, only: coupling_t
     use brz_cut_cells, only: cut_cells_t
     use brz_cut_cluster_loops, only: for_each_cut_adopt, for_each_cut_follow, &
-        for_each_cut_mean_state, for_each_cut_point, for_each_cut_shut_pocket, for_each_cut_weigh
+        for_each_cut_mean_state, for_each_cut_point, for_each_cut_weigh
     use brz_cut_motion_loops, only: for_each_cut_find_carrier, for_each_cut_find_push, &
         for_each_cut_push_node, for_each_cut_sum_load, &
         for_each_cut_sum_push, for_each_cut_sweep, for_each_cut_tame, for_each_cut_wall_velocity
     use brz_cut_list_loops, only: for_each_cut_cell_of, for_each_cut_find_beside, &
         for_each_cut_find_home, for_each_cut_mark, for_each_cut_mark_listed, &
-        for_each_cut_mark_unsettled, for_each_cut_set_slot, for_each_cut_widen
+        for_each_cut_mark_unsettled, for_each_cut_set_slot, for_each_cut_unite_marks, &
+        for_each_cut_widen
     use brz_cut_load_loops, only: for_each_cut_bear, for_each_cut_feel, for_each_cut_find_bearing, &
         for_each_cut_load_particle, for_each_cut_record
     use brz_cut_node_loops, only: for_each_cut_fill_node, for_each_cut_find_ball, &
         for_each_cut_find_distance, for_each_cut_find_largest, for_each_cut_find_thickest, &
         for_each_cut_see_fill
     use brz_cut_shape_loops, only: for_each_cut_close, for_each_cut_open, for_each_cut_shape
+    use brz_driven_body_driver, only: put_driven_bodies
     use brz_driven_body_motion, only: foresee_driven_bodies, read_driven_bodies
     use brz_driven_body_rules, only: carries_all, carries_none, n_push
-    use brz_errors, only: error_t, exit_deck, raise
-    use brz_kinds, only: dp, int32, int8, rk
+    use brz_errors, only: error_t
+    use brz_kinds, only: dp, rk
     use brz_lists, only: at_least, clear_list, clear_map, count_in_bins, put_in_bins, running_sum, &
         swap
+    use brz_near_walls, only: see_cut_cells
     use brz_scheme, only: max_var
     use brz_bodies, only: bodies_t
     implicit none
     private
-    public :: set_up_cut_cells, find_cut_cells, find_shapes, start_volumes, mix_clusters, &
-        press_by_cut_cells, feel_loads, move_cut_walls, load_cut_carriers, open_faces, &
-        find_clusters, resume_volumes
+    public :: find_cut_cells, find_shapes, mix_clusters, press_by_cut_cells, feel_loads, &
+        move_cut_walls, load_cut_carriers, open_faces, find_clusters, list_members
 
     integer, parameter :: in_turn = 3 !! pointers that are followed
     integer, parameter :: adoptions = 2 !! times that small clusters join larger ones
@@ -42,31 +45,9 @@ module brz_cut_driver
 
 contains
 
-    !> The grid of nodes, and maps without an entry.
-    subroutine set_up_cut_cells(air, c)
-        type(air_t), intent(in) :: air
-        type(coupling_t), intent(inout) :: c
-        integer :: n
-
-        associate (cells => c%wall%cells)
-            cells%present = .true.
-            cells%nodes%cells = air%n
-            cells%nodes%n = merge(air%n + 1, 1, air%n > 1)
-            cells%nodes%dimensions = count(air%n > 1)
-            cells%nodes%lo = air%lo
-            cells%nodes%dx = air%dx
-            cells%nodes%area = real(product(air%dx)/air%dx, rk)
-            cells%nodes%volume = real(product(air%dx), rk)
-            cells%nodes%grid = c%box%grid
-            cells%n = 0
-            n = product(cells%nodes%n)
-            allocate (cells%slot(n), source=0_int32)
-            allocate (cells%mark(n), cells%next_mark(n), source=0_int8)
-        end associate
-    end subroutine set_up_cut_cells
-
     !> List the cells near particles and sort these into them; `renewed` where the list is another.
-    subroutine find_cut_cells(p, c, renewed, err)
+    subroutine find_cut_cells(air, p, c, renewed, err)
+        type(air_t), intent(in) :: air
         class(bodies_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
         logical, intent(out) :: renewed
@@ -81,6 +62,7 @@ contains
             c%rebuilds = p%rebuilds
             if (.not. renewed) return
             call list_cut_cells(p, c, cells, err)
+            if (c%on_gpu) call see_cut_cells(air%device, cells, err)
             call for_each_cut_find_home(c%on_gpu, p%n, c%cell_of, cells%slot, cells%home, err)
             call clear_list(c%on_gpu, cells%n + 2, cells%bin_ends, err)
             call count_in_bins(c%on_gpu, p%n, cells%home, cells%bin_ends, err)
@@ -96,7 +78,7 @@ contains
         type(coupling_t), intent(inout) :: c
         type(cut_cells_t), intent(inout) :: cells
         type(error_t), intent(inout) :: err
-        integer :: chunks, d, n
+        integer :: chunks, d, found, n
 
         if (cells%n > 0) call for_each_cut_set_slot(c%on_gpu, cells%n, cells%nodes, 0, cells%cell, &
                                                     cells%slot, cells%place, err)
@@ -105,15 +87,20 @@ contains
         call for_each_cut_mark(c%on_gpu, p%n, c%cell_of, cells%mark, err)
         do d = 1, 3
             call for_each_cut_widen(c%on_gpu, n, cells%nodes, d, cells%mark, cells%next_mark, err)
-            cells%mark = cells%next_mark
+            call swap(cells%mark, cells%next_mark)
         end do
         if (cells%resumes) then
             call for_each_cut_mark_listed(c%on_gpu, cells%before%n, cells%before%cell, cells%mark, &
                                           err)
         else if (cells%n > 0) then
-            call for_each_cut_mark_unsettled(c%on_gpu, cells%n, cells%nodes, cells%cell, &
-                cells%place, cells%volume, cells%swept, cells%kept, cells%next_mark, cells%mark, &
-                err)
+            found = 0
+            associate (old => cells%before)
+                call for_each_cut_mark_unsettled(c%on_gpu, cells%n, cells%nodes, cells%cell, &
+                    cells%place, old%volume, old%swept, old%kept, cells%mark, cells%next_mark, &
+                    found, err)
+            end associate
+            if (found > 0) call for_each_cut_unite_marks(c%on_gpu, n, cells%next_mark, &
+                                                         cells%mark, err)
         end if
         chunks = (n - 1)/cells_of_a_chunk + 1
         call at_least(c%on_gpu, c%start, chunks + 1, err)
@@ -168,6 +155,7 @@ contains
         call at_least(on_gpu, cells%ends, n + 2, err)
         call at_least(on_gpu, cells%member, n, err)
         call at_least(on_gpu, cells%rate, max_var, n, err)
+        call at_least(on_gpu, cells%joined, max_var, n, err)
         call at_least(on_gpu, cells%euler, max_var, n, err)
         call at_least(on_gpu, cells%push, 3, n, err)
         call at_least(on_gpu, cells%impulse, 3, n, err)
@@ -184,14 +172,15 @@ contains
         type(error_t), intent(inout) :: err
 
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
-            call for_each_cut_fill_node(g, l%n, nodes, p%wide, l%cell, l%slot, l%bin_ends, &
-                l%binned, p%x, p%v, p%mass, p%volume, l%fill, l%mass, l%momentum, l%heaviest, err)
+            call for_each_cut_fill_node(g, l%n, nodes, p%wide, p%stride_w, l%cell, l%slot, &
+                l%bin_ends, l%binned, p%x, p%v, p%mass, p%volume, l%fill, l%mass, l%momentum, &
+                l%heaviest, err)
             call for_each_cut_see_fill(g, p%n, nodes, p%wide, l%home, l%cell, l%slot, p%x, l%fill, &
                                        l%radius, err)
             call for_each_cut_find_thickest(g, l%n, l%bin_ends, l%binned, l%radius, l%thickness, &
                                             err)
-            call for_each_cut_find_ball(g, p%n, nodes, l%home, l%cell, l%slot, p%volume, &
-                                        l%thickness, l%radius, err)
+            call for_each_cut_find_ball(g, p%n, nodes, p%stride_w, l%home, l%cell, l%slot, &
+                                        p%volume, l%thickness, l%radius, err)
             call for_each_cut_find_largest(g, l%n, l%bin_ends, l%binned, l%radius, l%ball, err)
             call for_each_cut_find_distance(g, l%n, nodes, p%wide, l%cell, l%slot, l%bin_ends, &
                 l%binned, p%x, l%radius, l%ball, l%fill, l%distance, err)
@@ -266,66 +255,18 @@ contains
         end do
     end subroutine follow_pointers
 
-    !> Volume of the gas at the start: what geometry leaves room for, none in pockets.
-    subroutine start_volumes(c, err)
-        type(coupling_t), intent(inout) :: c
-        type(error_t), intent(inout) :: err
-        integer :: pockets, pass
-        integer, parameter :: most = 20 !! shutting a pocket may leave another
-
-        associate (g => c%on_gpu, l => c%wall%cells)
-            do pass = 1, most
-                l%volume(:l%n) = l%gas(:l%n)
-                call find_clusters(c, err)
-                pockets = 0
-                call for_each_cut_shut_pocket(g, l%n, l%place, l%master, l%ends, l%member, &
-                                              l%volume, l%gas, l%shut, pockets, err)
-                if (pockets == 0) exit
-                call open_faces(c, 0, err)
-            end do
-            l%v(:, :l%n) = 0
-            l%carrier(:l%n) = 0
-            l%kept(:, :l%n) = 0
-            l%swept(:l%n) = 0
-            l%impulse(:, :l%n) = 0
-        end associate
-    end subroutine start_volumes
-
-    !> Volumes and clusters as a checkpoint has them.
-    subroutine resume_volumes(c, err)
-        type(coupling_t), intent(inout) :: c
-        type(error_t), intent(inout) :: err
-        logical :: same
-
-        associate (l => c%wall%cells, held => c%wall%cells%before, n => c%wall%cells%n)
-            l%resumes = .false.
-            same = held%n == n
-            if (same) same = all(held%cell(:n) == l%cell(:n))
-            if (.not. same) then
-                call raise(err, exit_deck, 'the checkpoint has other cut cells than its particles')
-                return
-            end if
-            l%volume(:n) = held%volume
-            l%kept(:, :n) = held%kept
-            l%shut(:n) = held%shut
-            l%master(:n) = held%master
-            where (l%shut(:n) /= 0) l%gas(:n) = 0
-            l%swept(:n) = 0
-            l%impulse(:, :n) = 0
-            call open_faces(c, 0, err)
-            call list_members(c, err)
-        end associate
-    end subroutine resume_volumes
-
     !> One state for all cells of a cluster; shut cells hold gas at rest, which nobody reads.
     subroutine mix_clusters(air, c, err)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
+        type(rest_t) :: rest
 
+        rest%u = air%rest
+        rest%momentum = 0
         associate (l => c%wall%cells)
-            call for_each_cut_mean_state(c%on_gpu, l%n, l%nodes, air%rest, l%place, l%master, &
-                                         l%ends, l%member, l%volume, air%u, err)
+            call for_each_cut_mean_state(c%on_gpu, l%n, l%nodes, rest, l%place, l%master, l%ends, &
+                                         l%member, l%volume, air%u, err)
         end associate
     end subroutine mix_clusters
 
@@ -341,6 +282,7 @@ contains
         if (.not. dt > 0) then
             call read_driven_bodies(solid, c%driven)
             c%bodies = size(c%driven)
+            call put_driven_bodies(c, err)
         else
             call push_carriers(air, solid, c, dt, err)
             call push_nodes(air, solid, c, dt, err)
@@ -404,6 +346,7 @@ contains
             end do
         end associate
         call foresee_driven_bodies(solid, push, dt, c%driven)
+        call put_driven_bodies(c, err)
     end subroutine push_carriers
 
     !> Force and torque of the air on the bodies that carry particles.

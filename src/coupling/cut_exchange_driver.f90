@@ -12,7 +12,7 @@ module brz_cut_exchange_driver
         for_each_cut_settle, for_each_cut_take
     use brz_errors, only: error_t
     use brz_kinds, only: dp
-    use brz_lists, only: at_least
+    use brz_lists, only: at_least, copy_first, swap
     use brz_scheme, only: max_var
     use brz_bodies, only: bodies_t
     implicit none
@@ -35,8 +35,8 @@ contains
         integer :: m, pockets
         logical :: renewed
 
-        call keep_list(c%wall%cells)
-        call find_cut_cells(solid, c, renewed, err)
+        call keep_list(c%on_gpu, c%wall%cells, err)
+        call find_cut_cells(air, solid, c, renewed, err)
         call find_shapes(solid, c, err)
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
             call size_exchange(g, l, err)
@@ -69,18 +69,26 @@ contains
         call move_cut_walls(air, solid, c, 0.0_dp, err)
     end subroutine renew_cut_cells
 
-    !> Keep what the gas needs of the list before.
-    subroutine keep_list(cells)
+    !> Keep what the gas needs of the list before: what is found anew changes places with it.
+    subroutine keep_list(on_gpu, cells, err)
+        logical, intent(in) :: on_gpu
         type(cut_cells_t), intent(inout) :: cells
+        type(error_t), intent(inout) :: err
 
         associate (n => cells%n, before => cells%before)
             before%n = n
-            before%cell = cells%cell(:n)
-            before%shut = cells%shut(:n)
-            before%aperture = cells%aperture(:, :n)
-            before%volume = cells%volume(:n)
-            before%swept = cells%swept(:n)
-            before%kept = cells%kept(:, :n)
+            call at_least(on_gpu, before%cell, n, err)
+            call at_least(on_gpu, before%shut, n, err)
+            call at_least(on_gpu, before%aperture, 6, n, err)
+            call at_least(on_gpu, before%volume, n, err)
+            call at_least(on_gpu, before%swept, n, err)
+            call at_least(on_gpu, before%kept, max_var + 1, n, err)
+            call copy_first(on_gpu, n, cells%cell, before%cell, err)
+            call swap(cells%shut, before%shut)
+            call swap(cells%aperture, before%aperture)
+            call swap(cells%volume, before%volume)
+            call swap(cells%swept, before%swept)
+            call swap(cells%kept, before%kept)
         end associate
     end subroutine keep_list
 

@@ -2,14 +2,15 @@
 !> The list of cut cells: marks of the cells near particles, entries, their neighbours and the
 !> particles in them.
 module brz_cut_list_loop_bodies
-    use brz_air_grid, only: cell_at, number_of, place_of
+    use brz_air_grid, only: cell_at, near_cut, number_of, place_of
     use brz_cut_cells, only: near, node_grid_t
-    use brz_kinds, only: dp, int32, int8, rk
+    use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_particle_marks, only: is_gone
     use brz_scheme, only: max_var
     implicit none
     private
-    public :: cut_cell_of, cut_mark, cut_mark_listed, cut_mark_unsettled, cut_widen, cut_set_slot, cut_find_beside, cut_find_home
+    public :: cut_cell_of, cut_mark, cut_mark_listed, cut_mark_unsettled, cut_unite_marks, cut_widen, &
+        cut_set_slot, cut_find_beside, cut_find_home, cut_set_near
     public :: entry_at, nodes_around
 
     real(rk), parameter :: settled = 64*epsilon(1.0_rk) !! of a cell, in which gas may be off it
@@ -73,13 +74,15 @@ contains
     !> where bodies have left the box or are eroded: it stays listed until it does.
     !@loop_body
     !@cuf attributes(host,device) &
-    pure subroutine cut_mark_unsettled(s, nodes, cell, place, volume, swept, kept, from, mark)
+    pure subroutine cut_mark_unsettled(s, nodes, cell, place, volume, swept, kept, from, mark, &
+                                       found)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
         integer(int32), intent(in) :: cell(*), place(*)
         real(rk), intent(in) :: volume(*), swept(*), kept(max_var + 1, *)
         integer(int8), intent(in) :: from(*) !! what is listed without it
-        integer(int8), intent(inout) :: mark(*)
+        integer(int8), intent(inout) :: mark(*) !! what is listed for it
+        integer, intent(inout) :: found !@count such cells
         integer :: d, i, ijk(3), j, k, high(3), low(3), next(3), side
         logical :: inside
 
@@ -97,6 +100,7 @@ contains
             end do
         end do
         if (inside) return
+        found = found + 1
         call nodes_around(nodes, ijk, near, near, low, high)
         do k = max(low(3), 1), min(high(3), nodes%n(3))
             do j = max(low(2), 1), min(high(2), nodes%n(2))
@@ -106,6 +110,17 @@ contains
             end do
         end do
     end subroutine cut_mark_unsettled
+
+    !> Add the marks of a map to another.
+    !@loop_body if(n >= worth_threads) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine cut_unite_marks(c, from, to)
+        integer, intent(in) :: c !! nodes
+        integer(int8), intent(in) :: from(*)
+        integer(int8), intent(inout) :: to(*)
+
+        if (from(c) /= 0) to(c) = 1_int8
+    end subroutine cut_unite_marks
 
     !> Mark what lies within `near` cells of a mark along a direction.
     !@loop_body if(n >= worth_threads) schedule(static)
@@ -152,6 +167,26 @@ contains
         place(s) = 0
         if (inside) place(s) = int(place_of(nodes%grid, ijk(1), ijk(2), ijk(3)), int32)
     end subroutine cut_set_slot
+
+    !> Enter whether a cell is listed in the map of the cells near walls.
+    !@loop_body if(n >= worth_threads) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine cut_set_near(c, nodes, slot, near_walls)
+        integer, intent(in) :: c !! nodes
+        type(node_grid_t), intent(in) :: nodes
+        integer(int32), intent(in) :: slot(*)
+        integer(int8), intent(inout) :: near_walls(*) !! of the cells of the air
+        integer(int64) :: at
+        integer :: d, ijk(3)
+
+        ijk = cell_at(nodes%n, c)
+        do d = 1, 3
+            if (ijk(d) > nodes%cells(d)) return
+        end do
+        at = place_of(nodes%grid, ijk(1), ijk(2), ijk(3))
+        near_walls(at) = int(mod(int(near_walls(at)), near_cut) &
+                             + merge(near_cut, 0, slot(c) > 0), int8)
+    end subroutine cut_set_near
 
     !> Nodes from `below` before a node to `above` behind it, in the directions that are modelled.
     !@cuf attributes(host,device) &

@@ -48,18 +48,18 @@ contains
     !> Fill of a node, mass and momentum of the particles there, and the heaviest of them.
     !@loop_body if(27*n >= worth_threads) schedule(dynamic, 64)
     !@cuf attributes(host,device) &
-    pure subroutine cut_fill_node(s, nodes, wide, cell, slot, ends, binned, x, v, mass, volume, &
-                                  fill, node_mass, momentum, heaviest)
+    pure subroutine cut_fill_node(s, nodes, wide, stride_w, cell, slot, ends, binned, x, v, mass, &
+                                  volume, fill, node_mass, momentum, heaviest)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
-        integer, intent(in) :: wide !! rows of x and v
+        integer, intent(in) :: wide, stride_w !! rows of x and v; distance of volumes
         integer(int32), intent(in) :: cell(*), slot(*), ends(*), binned(*)
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: v(wide, *), mass(*), volume(*)
         real(rk), intent(inout) :: fill(*)
         real(dp), intent(inout) :: node_mass(*), momentum(3, *)
         integer(int32), intent(inout) :: heaviest(*) !! particle of the most mass there, 0: none
-        real(dp) :: beyond, full, m, most, p(3), weight, y(3)
+        real(dp) :: beyond, filled, full, m, most, p(3), weight, y(3)
         integer :: b, d, i, ijk(3), j, k, low(3), part, q
 
         ijk = cell_at(nodes%n, cell(s))
@@ -83,8 +83,9 @@ contains
                             y(d) = x(d, part)
                         end do
                         weight = tent(nodes, ijk, y)
-                        full = full + volume(part)*weight
-                        if (is_beyond(nodes, y)) beyond = beyond + volume(part)*weight
+                        filled = volume(1 + (part - 1)*stride_w)*weight
+                        full = full + filled
+                        if (is_beyond(nodes, y)) beyond = beyond + filled
                         m = m + mass(part)*weight
                         if (mass(part)*weight > most) then
                             most = mass(part)*weight
@@ -182,9 +183,10 @@ contains
     !> Radius of the ball that stands for a particle where its body is thin, 0 where it is not.
     !@loop_body
     !@cuf attributes(host,device) &
-    pure subroutine cut_find_ball(p, nodes, home, cell, slot, volume, thickness, radius)
+    pure subroutine cut_find_ball(p, nodes, stride_w, home, cell, slot, volume, thickness, radius)
         integer, intent(in) :: p !! particles
         type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: stride_w !! distance of volumes
         integer(int32), intent(in) :: home(*), cell(*), slot(*)
         real(rk), intent(in) :: volume(*) !! [m3]
         real(rk), intent(in) :: thickness(*) !! of the cells
@@ -207,7 +209,7 @@ contains
                 end do
             end do
         end do
-        side = volume(p)/nodes%volume
+        side = volume(1 + (p - 1)*stride_w)/nodes%volume
         if (nodes%dimensions == 2) side = sqrt(side)
         if (nodes%dimensions == 3) side = side**(1/3.0_rk)
         radius(p) = ball_of(nodes%dimensions, side, thickness_of(thickest))

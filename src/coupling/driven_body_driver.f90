@@ -15,7 +15,7 @@ module brz_driven_body_driver
     use brz_bodies, only: bodies_t
     implicit none
     private
-    public :: see_driven_bodies, sum_shifts, move_driven_bodies, sum_loads
+    public :: see_driven_bodies, put_driven_bodies, sum_shifts, move_driven_bodies, sum_loads
 
 contains
 

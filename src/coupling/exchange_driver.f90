@@ -153,9 +153,7 @@ contains
 
         if (c%wall%cells%present) then
             call renew_cut_cells(air, solid, c, err)
-            return
-        end if
-        if (several(solid%ranks)) then
+        else if (several(solid%ranks)) then
             call offer_window(air, c, err)
             call renew_coupling_ghosts(solid, c, err) ! where all meet
             call see_halo(air, c, .true., err)
@@ -168,6 +166,7 @@ contains
         if (.not. c%on_gpu) return
         air%device%fetched = .false.
         ! of any process: the diagnostics count cells of this one alone
-        if (c%n_covered + c%n_cleared > 0) c%device%walls_fetched = .false.
+        if (c%n_covered + c%n_cleared > 0 .or. c%wall%cells%present) &
+            c%device%walls_fetched = .false.
     end subroutine reclassify
 end module brz_exchange_driver

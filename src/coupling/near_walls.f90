@@ -5,15 +5,18 @@ module brz_near_walls
     use brz_air_device, only: air_device_t
     use brz_air_launches, only: air_kernels
     use brz_air_state, only: air_t, wall_t
+    use brz_buffers, only: integers_t
     use brz_cell_loop_bodies, only: cells_of_a_chunk
     use brz_cell_launches, only: cell_kernels
+    use brz_cut_cells, only: cut_cells_t
+    use brz_cut_list_launches, only: cut_list_kernels
     use brz_device, only: reserve_buffer
     use brz_errors, only: error_t
     use brz_kinds, only: int64
-    use brz_present_table, only: buffer_of
+    use brz_present_table, only: buffer_of, on_device
     implicit none
     private
-    public :: see_walls, mark_near_walls
+    public :: see_walls, see_cut_cells, mark_near_walls
 
 contains
 
@@ -34,6 +37,16 @@ contains
             walls%impulse%buffer_t = buffer_of(wall%impulse)
         end associate
     end subroutine see_walls
+
+    !> Cut cells have been listed anew: the sweeps leave these to rates of their own.
+    subroutine see_cut_cells(gpu, cells, err)
+        type(air_device_t), intent(in) :: gpu
+        type(cut_cells_t), intent(in) :: cells !! its arrays have copies on the GPU
+        type(error_t), intent(inout) :: err
+
+        call cut_list_kernels%cut_set_near(product(cells%nodes%n), cells%nodes, &
+            integers_t(address=on_device(cells%slot)), gpu%walls%near, err)
+    end subroutine see_cut_cells
 
     !> Mark and list the cells beside walls, once the map of solid cells is there.
     subroutine mark_near_walls(gpu, err)

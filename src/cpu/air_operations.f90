@@ -4,14 +4,12 @@
 module brz_air_operations
     use brz_kinds, only: int64, int8, rk
     use brz_air_activity, only: next_run
-    use brz_air_grid, only: cell_at, number_of, place_of, stage_t
+    use brz_air_grid, only: number_of, place_of, stage_t
     use brz_air_lost, only: find_lost
     use brz_air_outside, only: set_grid
     use brz_air_state, only: air_t, brick, lines_per_block, n_ghost, &
         set_scale, wall_t
     use brz_air_sweep, only: sweep
-    use brz_cut_cells, only: cut_cells_t
-    use brz_cut_loops, only: each_cut_join, each_cut_rate
     use brz_fallback_loop_bodies, only: is_touched, mark_cell, redo_rates, to_redo
     use brz_grid_lines, only: first_cell_of, n_blocks, n_lines
     use brz_ranks, only: most_of_all
@@ -36,31 +34,15 @@ contains
             wall%v(3, 0), wall%face_of(6, 0), wall%push(0), wall%impulse(0))
         wall%push(:wall%n_faces) = 0
         wall%impulse(:wall%n_faces) = 0
-        if (wall%cells%present) wall%cells%impulse(:, :wall%cells%n) = 0
         call set_scale(air)
         call set_grid(air)
-        air%grid%walls = merge(1, 0, wall%present .and. .not. wall%cells%present)
+        air%grid%walls = merge(merge(2, 1, wall%cells%present), 0, wall%present)
         do c = 1, wall%n_cells
             if (any(wall%cell(:, c) < 1 .or. wall%cell(:, c) > air%n)) cycle ! of another process
             cell = (wall%cell(:, c) - 1)/brick + 1
             air%reached(cell(1), cell(2), cell(3)) = 1
         end do
-        if (wall%cells%present) call reach_cut_cells(wall%cells, air%reached)
     end subroutine get_ready
-
-    !> Where walls move, the bricks with cut cells are reached.
-    pure subroutine reach_cut_cells(cells, reached)
-        type(cut_cells_t), intent(in) :: cells
-        integer(int8), intent(inout) :: reached(:, :, :)
-        integer :: at(3), s
-
-        if (.not. any(abs(cells%v(:, :cells%n)) > 0)) return
-        do s = 1, cells%n
-            if (cells%place(s) == 0) cycle
-            at = (cell_at(cells%nodes%n, cells%cell(s)) - 1)/brick + 1
-            reached(at(1), at(2), at(3)) = 1
-        end do
-    end subroutine reach_cut_cells
 
     !> Give every thread its buffers; only a first step, or one with more threads, allocates.
     subroutine make_buffers(air)
@@ -80,7 +62,8 @@ contains
         end do
     end subroutine make_buffers
 
-    !> Rates of all directions, in air%rate, and marks of the cells that they would leave bad.
+    !> Rates of all directions, in air%rate, and marks of the cells that they would leave bad. Cut
+    !> cells get theirs afterwards.
     subroutine sweep_all(air, wall, stage)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
@@ -90,35 +73,11 @@ contains
         do d = 1, air%grid%last
             if (air%n(d) > 1) call sweep(air, wall, d, stage)
         end do
-        if (wall%cells%present) call find_cut_rates(air, wall, stage, 0)
         if (any(air%suspect(:n_blocks(air%n, air%grid%last)) > 0)) &
             call find_suspects(air, wall, stage)
     end subroutine sweep_all
 
-    !> Rates of the cut cells in place of those that the sweeps have given them, and marks of those
-    !> that they would leave bad.
-    subroutine find_cut_rates(air, wall, stage, pass)
-        type(air_t), intent(inout) :: air
-        type(wall_t), intent(inout) :: wall
-        type(stage_t), intent(in) :: stage
-        integer, intent(in) :: pass !! marks up to this one count
-        integer :: s
-
-        associate (c => wall%cells)
-            call each_cut_rate(c%n, c%nodes, air%scheme, stage, pass, c%cell, c%place, c%beside, &
-                               c%shut, c%aperture, c%area, c%middle, c%v, c%master, air%bad, &
-                                   air%u, &
-                               air%edge, c%rate, c%push)
-            call each_cut_join(c%n, c%nodes, stage, c%place, c%master, c%ends, c%member, &
-                               c%volume, c%swept, c%rate, air%u, air%u_start, air%rate, c%euler)
-            do s = 1, c%n
-                if (c%place(s) > 0) call look_at(air, wall, stage, pass, to_redo, &
-                                                 cell_at(c%nodes%n, c%cell(s)))
-            end do
-        end associate
-    end subroutine find_cut_rates
-
-    !> True for a cell of the list of cut cells.
+    !> True for a cell of the list of cut cells, which have rates of their own.
     pure logical function is_cut(wall, i, j, k)
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: i, j, k !! cell
@@ -154,6 +113,7 @@ contains
                 call first_cell_of(air%n, last, line, cell)
                 do i = 1, air%n(last)
                     cell(last) = i
+                    if (is_cut(wall, cell(1), cell(2), cell(3))) cycle
                     call look_at(air, wall, stage, 0, to_redo, cell)
                 end do
             end do
@@ -177,13 +137,12 @@ contains
                 marked(j, k) = any(air%bad(:, row_at(2, j), row_at(3, k)) /= 0)
             end do
         end do
-        if (wall%cells%present .and. task == to_redo) call find_cut_rates(air, wall, stage, pass)
         do k = 1, air%n(3)
             do j = 1, air%n(2)
                 if (.not. (any(marked(j - 1:j + 1, k)) .or. any(marked(j, k - 1:k + 1)))) cycle
                 do i = 1, air%n(1)
                     if (.not. is_touched(pass, task, air%grid, i, j, k, air%bad)) cycle
-                    if (task == to_redo .and. is_cut(wall, i, j, k)) cycle
+                    if (is_cut(wall, i, j, k)) cycle
                     if (task == to_redo) call redo_rates(pass, air%grid, air%scheme, stage, &
                         i, j, k, air%u, air%rate, air%bad, air%edge, wall%solid, wall%index, &
                         wall%v, wall%face_of, wall%push)

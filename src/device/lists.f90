@@ -33,7 +33,7 @@ module brz_lists
 
     !> Two lists change places.
     interface swap
-        module procedure swap_integers, swap_columns
+        module procedure swap_integers, swap_reals, swap_columns, swap_maps
     end interface swap
 
 contains
@@ -220,6 +220,24 @@ contains
         call move_alloc(b, a)
         call move_alloc(c, b)
     end subroutine swap_integers
+
+    subroutine swap_reals(a, b)
+        real(rk), allocatable, intent(inout) :: a(:), b(:)
+        real(rk), allocatable :: c(:)
+
+        call move_alloc(a, c)
+        call move_alloc(b, a)
+        call move_alloc(c, b)
+    end subroutine swap_reals
+
+    subroutine swap_maps(a, b)
+        integer(int8), allocatable, intent(inout) :: a(:), b(:)
+        integer(int8), allocatable :: c(:)
+
+        call move_alloc(a, c)
+        call move_alloc(b, a)
+        call move_alloc(c, b)
+    end subroutine swap_maps
 
     subroutine swap_columns(a, b)
         real(rk), allocatable, intent(inout) :: a(:, :), b(:, :)

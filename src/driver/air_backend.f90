@@ -18,7 +18,7 @@ module brz_air_backend
     implicit none
     private
     public :: get_ready, exchange_ghosts, sweep_all, find_bad, redo, find_lost_cell, end_stage
-    public :: exchange_marks, clear_marks, exchange_bricks
+    public :: exchange_marks, clear_marks, exchange_bricks, offer_next
 
 contains
 
@@ -30,6 +30,7 @@ contains
 
         if (air%on_gpu) then
             call gpu_get_ready(air%device, err)
+            call attach(air%u_start, air%device%start)
             if (.not. wall%present) call attach_no_walls(air, wall)
         else
             call cpu_get_ready(air, wall)
@@ -64,22 +65,27 @@ contains
         end if
     end subroutine exchange_ghosts
 
-    !> Rates of a stage, and marks of the cells that they would leave bad. On a GPU others get their
-    !> ghosts of the next state before all vote on it, unless this is the last stage.
-    subroutine sweep_all(air, wall, stage, last, err)
+    !> Rates of a stage, and marks of the cells that they would leave bad.
+    subroutine sweep_all(air, wall, stage, err)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
         type(stage_t), intent(in) :: stage
-        logical, intent(in) :: last !! of the step
         type(error_t), intent(inout) :: err
 
         if (air%on_gpu) then
             call gpu_sweep_all(air%device, air, stage, err)
-            if (.not. last) call offer_ghosts(air%device, err)
         else
             call cpu_sweep_all(air, wall, stage)
         end if
     end subroutine sweep_all
+
+    !> On a GPU others get their ghosts of the next state before all vote on it.
+    subroutine offer_next(air, err)
+        type(air_t), intent(inout) :: air
+        type(error_t), intent(inout) :: err
+
+        if (air%on_gpu) call offer_ghosts(air%device, err)
+    end subroutine offer_next
 
     !> Has a bad cell been found since the last call, in any process?
     subroutine find_bad(air, found, err)

@@ -7,13 +7,14 @@
 !> It runs after the rates of a stage are complete and before they are used.
 module brz_air_driver
     use brz_air_backend, only: clear_marks, end_stage, exchange_ghosts, exchange_marks, find_bad, &
-        find_lost_cell, get_ready, redo, sweep_all
+        find_lost_cell, get_ready, offer_next, redo, sweep_all
     use brz_air_grid, only: stage_t
     use brz_air_lost, only: first_lost
     use brz_air_stage, only: stage_of
     use brz_air_state, only: air_ok, air_t, air_unphysical, wall_t
     use brz_air_totals, only: add_outflow
     use brz_brick_driver, only: settle_bricks, wake_bricks
+    use brz_cut_rate_driver, only: find_cut_rates, ready_cut_cells, redo_cut_cells
     use brz_errors, only: error_t
     use brz_face_loops, only: for_each_add_push
     use brz_fallback_loop_bodies, only: to_hold, to_lose, to_redo
@@ -60,6 +61,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call get_ready(air, wall, err)
+        if (wall%cells%present) call ready_cut_cells(air, wall%cells, err)
         call settle_bricks(air, err)
         if (air%activity .and. .not. (air%on_gpu .and. .not. air%swept)) call wake_bricks(air, err)
         air%swept = .true.
@@ -77,7 +79,9 @@ contains
 
         status = air_ok
         call fill_ghosts(air, wall, err)
-        call sweep_all(air, wall, stage, last, err)
+        call sweep_all(air, wall, stage, err)
+        if (wall%cells%present) call find_cut_rates(air, wall%cells, stage, 0, err)
+        if (.not. last) call offer_next(air, err)
         call find_bad(air, found, err)
         if (found) call repair(air, wall, stage, status, err)
         if (status /= air_ok) return
@@ -114,7 +118,7 @@ contains
         if (air%fallback .and. air%scheme%reconstruction /= first_order) then
             do pass = 1, repair_passes
                 call tell_marks(air, err)
-                call redo(air, wall, stage, pass, to_redo, err)
+                call redo_all(air, wall, stage, pass, to_redo, err)
                 call find_bad(air, found, err)
                 if (.not. found) exit
             end do
@@ -122,7 +126,7 @@ contains
             call add_count(air, pass, air%fallback_faces, err)
         end if
         if (air%fallback) call hold_cells(air, wall, stage, pass, err)
-        call redo(air, wall, stage, pass, to_lose, err)
+        call redo_all(air, wall, stage, pass, to_lose, err)
         call find_bad(air, found, err)
         if (found) then
             call find_lost_cell(air, wall, stage, found, err)
@@ -142,16 +146,29 @@ contains
         logical :: found
 
         do m = 1, most_holds
-            call redo(air, wall, stage, pass, to_hold, err)
+            call redo_all(air, wall, stage, pass, to_hold, err)
             call find_bad(air, found, err)
             if (.not. found) exit
             call tell_marks(air, err)
             pass = pass + limit_step
-            call redo(air, wall, stage, pass, to_redo, err)
+            call redo_all(air, wall, stage, pass, to_redo, err)
             call find_bad(air, found, err) ! whether cells must be held is asked again
         end do
         if (pass >= limit_step) call add_count(air, pass, air%limited_cells, err)
     end subroutine hold_cells
+
+    !> Compute marked cells and their neighbours again, cut ones as well, or look at marked ones.
+    subroutine redo_all(air, wall, stage, pass, task, err)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        type(stage_t), intent(in) :: stage
+        integer, intent(in) :: pass !! marks up to this one count
+        integer, intent(in) :: task !! to_redo, ...
+        type(error_t), intent(inout) :: err
+
+        if (wall%cells%present) call redo_cut_cells(air, wall%cells, stage, pass, task, err)
+        call redo(air, wall, stage, pass, task, err)
+    end subroutine redo_all
 
     !> The marks of cells beside the box, of other processes.
     subroutine tell_marks(air, err)

@@ -33,7 +33,7 @@ contains
     end subroutine get_ready
 
     !> Rates of all directions; the last one completes the next state and marks its bad cells. Cells
-    !> near walls are computed again.
+    !> near walls are computed again, cut ones afterwards.
     subroutine sweep_all(gpu, air, stage, err)
         type(air_device_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
@@ -109,9 +109,9 @@ contains
         threads = [merge(listed, product(air%n), listed > 0), 1, 1]
         associate (walls => gpu%walls)
             call launch_redo(gpu%redo, threads, listed, gpu%near_at, pass, task, gpu%grid, &
-                             air%scheme, stage, gpu%u, gpu%start, gpu%new, gpu%bad, gpu%found, &
-                             gpu%edge, walls%solid, walls%index, walls%v, walls%face_of, &
-                             walls%push, err)
+                             air%scheme, stage, walls%near, gpu%u, gpu%start, gpu%new, gpu%bad, &
+                             gpu%found, gpu%edge, walls%solid, walls%index, walls%v, &
+                             walls%face_of, walls%push, err)
         end associate
     end subroutine redo_cells
 

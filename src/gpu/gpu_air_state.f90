@@ -103,6 +103,8 @@ contains
             call attach(air%edge, gpu%edge)
             call attach(air%leaving, gpu%leaving)
             call attach(air%bad, gpu%bad)
+            call attach(air%found, gpu%found)
+            call attach(air%rate, gpu%new)
             call attach(air%reached, gpu%bricks%reached)
             call attach(air%active, gpu%bricks%active)
             call attach(air%brick_sum, gpu%part)
@@ -127,6 +129,7 @@ contains
                 gpu%spare = before
             end if
             call attach(air%u, gpu%u)
+            call attach(air%rate, gpu%new) ! where rates stand until it is complete
         end associate
     end subroutine go_on
 

@@ -237,6 +237,7 @@ contains
         solid%stride_d = gpu%stride_d
         solid%stride_p = gpu%stride_p
         solid%stride_t = gpu%stride_t
+        solid%stride_w = gpu%wide ! behind the velocity
         call attach(solid%x, gpu%x)
         call attach(solid%x_ref, gpu%x_ref)
         call attach(solid%x_built, gpu%x_built)

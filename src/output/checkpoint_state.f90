@@ -18,7 +18,7 @@ module brz_checkpoint_state
     use brz_hdf5_file, only: h5_has, h5_t
     use brz_kept_cells, only: kept_cells_t
     use brz_motion, only: motion_t
-    use brz_kinds, only: dp, int16, int32, int64, int8, real32, real64
+    use brz_kinds, only: dp, int16, int32, int64, int8, real32, real64, rk
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_integer, &
         is_short, is_single
     use brz_scheme, only: max_var
@@ -307,31 +307,36 @@ contains
         type(cut_cells_t), intent(inout) :: cells
         type(error_t), intent(inout) :: err
         integer(int64), allocatable :: shape_there(:)
+        integer(int32), allocatable :: cell(:), master(:), shut(:)
+        real(rk), allocatable :: kept(:, :), volume(:)
+        integer :: n
 
-        associate (held => cells%before)
-            if (file%writing) then
-                held%n = cells%n
-                held%cell = cells%cell(:cells%n)
-                held%volume = cells%volume(:cells%n)
-                held%kept = cells%kept(:, :cells%n)
-                held%shut = cells%shut(:cells%n)
-                held%master = cells%master(:cells%n)
-            else
-                call h5_shape(file, 'coupling/gas_volume', shape_there, err)
-                if (failed(err)) return
-                held%n = int(shape_there(1))
-                if (allocated(held%volume)) deallocate (held%volume, held%kept, held%shut)
-                if (allocated(held%master)) deallocate (held%master, held%cell)
-                allocate (held%cell(held%n), held%volume(held%n), held%kept(max_var + 1, held%n), &
-                          held%shut(held%n), held%master(held%n))
-                cells%resumes = .true.
-            end if
-            call carry(file, 'coupling/cell', held%cell, err)
-            call carry(file, 'coupling/gas_volume', held%volume, err)
-            call carry(file, 'coupling/waiting', held%kept, err)
-            call carry(file, 'coupling/shut', held%shut, err)
-            call carry(file, 'coupling/master', held%master, err)
-        end associate
+        if (file%writing) then
+            n = cells%n
+            cell = cells%cell(:n)
+            volume = cells%volume(:n)
+            kept = cells%kept(:, :n)
+            shut = cells%shut(:n)
+            master = cells%master(:n)
+        else
+            call h5_shape(file, 'coupling/gas_volume', shape_there, err)
+            if (failed(err)) return
+            n = int(shape_there(1))
+            allocate (cell(n), volume(n), kept(max_var + 1, n), shut(n), master(n))
+        end if
+        call carry(file, 'coupling/cell', cell, err)
+        call carry(file, 'coupling/gas_volume', volume, err)
+        call carry(file, 'coupling/waiting', kept, err)
+        call carry(file, 'coupling/shut', shut, err)
+        call carry(file, 'coupling/master', master, err)
+        if (file%writing) return
+        cells%before%n = n
+        cells%resumes = .true.
+        call move_alloc(cell, cells%before%cell)
+        call move_alloc(volume, cells%before%volume)
+        call move_alloc(kept, cells%before%kept)
+        call move_alloc(shut, cells%before%shut)
+        call move_alloc(master, cells%before%master)
     end subroutine carry_cut_cells
 
     !> The list of deferred sources, as long as it is.

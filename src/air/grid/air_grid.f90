@@ -8,12 +8,13 @@ module brz_air_grid
     private
     public :: grid_t, stage_t, grid_of, place_of, variable_in_slot, cell_at, number_of
     public :: first_cell, line_start, lines_along, faces_of_bricks
-    public :: rate_none, rate_in_flux, rate_in_new
+    public :: rate_none, rate_in_flux, rate_in_new, near_cut
     public :: faces_of_a_thread
     public :: brick, column, rest_t, brick_of, brick_start, layers_around
 
     integer, parameter :: rate_none = 0, rate_in_flux = 1, rate_in_new = 2
     !! where the rates of the directions before one are: nowhere, the x fluxes, the next state
+    integer, parameter :: near_cut = 2 !! what cut cells have more in the map of cells near walls
     integer, parameter :: brick = 8 !! cells per side of a brick, which is active or not as a whole
     integer, parameter :: column = 8*brick !! cells along z that a thread of a GPU looks through
     integer, parameter :: longest = 8 !! bricks along a line for one thread
@@ -38,7 +39,7 @@ module brz_air_grid
         integer :: brick_step(3) !! distance of neighbouring bricks in the map of all
         integer :: prior(3) !! rates of the directions before: rate_none, ...
         integer :: last !! the last direction that is modelled
-        integer :: walls !! 1: some cells hold solid
+        integer :: walls !! 1: some cells hold solid, 2: and walls run through cells
     end type grid_t
 
     !> Gas that nothing has reached.

@@ -2,10 +2,11 @@
 !> Sums over all cells of the air, of all processes: the same bits whatever the threads do and
 !> however many processes there are. Bricks are summed in order, and the bricks exactly.
 module brz_air_totals
-    use brz_air_grid, only: cell_at, faces_of_bricks, grid_of, grid_t, stage_t
+    use brz_air_grid, only: faces_of_bricks, grid_of, grid_t, stage_t
     use brz_air_state, only: air_t, bc_periodic, wall_t
     use brz_brick_loops, only: each_total_brick, for_each_sum_face
     use brz_cut_cells, only: cut_cells_t
+    use brz_cut_sum_loops, only: for_each_cut_lack
     use brz_errors, only: error_t
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64, int8, rk
@@ -13,7 +14,7 @@ module brz_air_totals
     use brz_running_total, only: add_to_total, value_of, values_of_all
     implicit none
     private
-    public :: air_totals, gas_sums, outflow_of_all, counts_of_all
+    public :: air_totals, gas_sums, leave_out, outflow_of_all, counts_of_all
     public :: add_outflow, record_outflow, take_outflow
 
 contains
@@ -49,10 +50,11 @@ contains
         real(dp), intent(out), optional :: kinetic !! [J]
         real(dp), intent(out), optional :: products !! of explosives [kg]
         real(dp) :: sums(0:6), kept(6, wall%n_cells), total(6)
+        type(error_t) :: none !! nothing fails on the host
         integer :: c
 
         call gas_sums(air, sums, wall)
-        if (wall%cells%present) call leave_out(air, wall%cells, sums)
+        if (wall%cells%present) call leave_out(air, wall%cells, sums, none)
         total = 0
         if (wall%present) then
             kept = 0
@@ -71,23 +73,16 @@ contains
     end subroutine air_totals
 
     !> Take out of sums over whole cells what cut cells do not hold, and add what waits in others.
-    subroutine leave_out(air, cells, sums)
+    subroutine leave_out(air, cells, sums, err)
         type(air_t), intent(in) :: air
         type(cut_cells_t), intent(in) :: cells
         real(dp), intent(inout) :: sums(0:6) !! see gas_sums
-        real(dp) :: less(7, cells%n), total(7), u(air%n_var)
-        integer :: ijk(3), s
+        type(error_t), intent(inout) :: err
+        real(dp) :: total(7)
 
-        less = 0
-        do s = 1, cells%n
-            less(2:, s) = cells%kept(:6, s) ! what waits is gas all the same
-            if (cells%place(s) == 0 .or. cells%shut(s) /= 0) cycle
-            ijk = cell_at(cells%nodes%n, cells%cell(s))
-            u = air%u(ijk(1), ijk(2), ijk(3), :)
-            less(1, s) = (cells%volume(s) - 1)*(u(2)**2 + u(3)**2 + u(4)**2)/(2*u(1))
-            less(2:1 + air%n_var, s) = less(2:1 + air%n_var, s) + (cells%volume(s) - 1)*u
-        end do
-        call exact_sums(air%part%ranks, less, total)
+        call for_each_cut_lack(air%on_gpu, cells%n, air%part%ranks, air%n_var, &
+                               cells%nodes%grid%apart, cells%place, cells%shut, cells%volume, &
+                               cells%kept, air%u, total, err)
         sums = sums + total
     end subroutine leave_out
 

@@ -184,7 +184,7 @@ contains
 
         at = place_of(grid, min(i, grid%n(1)), j, k)
         counts = i <= grid%n(1)
-        if (grid%walls == 1) counts = counts .and. solid(at) == 0
+        if (grid%walls > 0) counts = counts .and. solid(at) == 0
         if (c > 0) then
             value = u(at + (c - 1)*grid%apart)
         else

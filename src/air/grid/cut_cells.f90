@@ -86,6 +86,7 @@ module brz_cut_cells
         integer :: slowed = 0, pockets = 0, absorbed = 0 !! clusters, cells so far
         ! a stage
         real(rk), allocatable :: rate(:, :) !! (n_var, n) of the content over the volume of a cell
+        real(rk), allocatable :: joined(:, :) !! (n_var, n) rate of the state, of the whole cluster
         real(rk), allocatable :: euler(:, :) !! (max_var, n) Euler step of the cluster
         real(rk), allocatable :: push(:, :) !! (3, n) impulse on the wall in the stage [N s]
         real(rk), allocatable :: impulse(:, :) !! (3, n) likewise in the step

@@ -11,20 +11,20 @@
 !> plain update of a stage, u0 + b (u - u0 + dt rate), is that of its content over its volume.
 module brz_cut_loop_bodies
     use brz_air_boundary, only: beyond_wall
-    use brz_air_grid, only: cell_at, stage_t, variable_in_slot
+    use brz_air_grid, only: brick_of, cell_at, stage_t, variable_in_slot
     use brz_boundary_codes, only: bc_outflow
     use brz_cut_cells, only: bare, node_grid_t
     use brz_face_flux, only: cut_face, cut_fraction
-    use brz_fallback_loop_bodies, only: put_edge
+    use brz_fallback_loop_bodies, only: is_touched, mark_cell, put_edge, to_lose, to_redo
     use brz_gas, only: to_primitive
     use brz_kinds, only: int32, int64, int8, rk
-    use brz_positivity, only: is_fixed, is_lowered
+    use brz_positivity, only: is_fixed, is_lowered, lost_mark
     use brz_scheme, only: first_order, max_var, mixture_gamma, muscl_cells, reach_of, scheme_t, &
         weno3_cells
     use brz_wall_riemann, only: wall_star
     implicit none
     private
-    public :: cut_rate, cut_join
+    public :: cut_rate, cut_join, cut_finish, cut_count_moving, cut_reach
 
     real(rk), parameter :: least_weight = 0.25_rk !! of open faces away from a wall, for a slope
 
@@ -383,15 +383,15 @@ contains
     !> change of the content, and changes no sign.
     !@loop_body if(27*n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine cut_join(s, nodes, stage, place, master, ends, member, volume, swept, &
-                             content_rate, u, u_start, rate, euler)
+    pure subroutine cut_join(s, nodes, stage, place, master, ends, member, volume, swept, rate, u, &
+                             u_start, joined, euler)
         integer, intent(in) :: s !! entries; masters alone do something
         type(node_grid_t), intent(in) :: nodes
         type(stage_t), intent(in) :: stage
         integer(int32), intent(in) :: place(*), master(*), ends(*), member(*)
-        real(rk), intent(in) :: volume(*), swept(*), content_rate(max_var, *)
+        real(rk), intent(in) :: volume(*), swept(*), rate(max_var, *)
         real(rk), intent(in) :: u(*), u_start(*) !! the latter from the second stage on
-        real(rk), intent(inout) :: rate(*) !! of the cells of the air
+        real(rk), intent(inout) :: joined(max_var, *)
         real(rk), intent(inout) :: euler(max_var, *)
         real(rk) :: change, gain, next, now, old, total
         integer(int64) :: at
@@ -406,7 +406,7 @@ contains
         end do
         if (.not. now > 0) then ! shut
             do c = 1, nodes%grid%n_var
-                rate(place(s) + (c - 1)*nodes%grid%apart) = 0
+                joined(c, s) = 0
             end do
             return
         end if
@@ -415,7 +415,7 @@ contains
         do c = 1, nodes%grid%n_var
             total = 0
             do q = ends(s) + 1, ends(s + 1)
-                total = total + content_rate(c, member(q))
+                total = total + rate(c, member(q))
             end do
             at = place(s) + (c - 1)*nodes%grid%apart
             ! at the first stage u is the start
@@ -426,8 +426,82 @@ contains
             end do
             total = ((old - next)*change + stage%dt*total - gain*(u(at) - change))/(next*stage%dt)
             do q = ends(s) + 1, ends(s + 1)
-                rate(place(member(q)) + (c - 1)*nodes%grid%apart) = total
+                joined(c, member(q)) = total
             end do
         end do
     end subroutine cut_join
+
+    !> Put the rates of a listed cell where the cells of the air have theirs or, with `ahead`, its
+    !> next state; and mark the cell as its Euler step says, see mark_cell.
+    !@loop_body if(27*n >= worth_threads) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine cut_finish(s, nodes, stage, pass, task, ahead, cell, place, shut, joined, &
+                               euler, u, u_start, to, bad, found)
+        integer, intent(in) :: s !! entries
+        type(node_grid_t), intent(in) :: nodes
+        type(stage_t), intent(in) :: stage
+        integer, intent(in) :: pass !! marks up to this one count
+        integer, intent(in) :: task !! to_redo: all cells; else those that it looks at
+        integer, intent(in) :: ahead !! 1: `to` gets the next state, 0: rates
+        integer(int32), intent(in) :: cell(*), place(*), shut(*)
+        real(rk), intent(in) :: joined(max_var, *), euler(max_var, *)
+        real(rk), intent(in) :: u(*), u_start(*) !! the latter for the next state
+        real(rk), intent(inout) :: to(*)
+        integer(int8), intent(inout) :: bad(*)
+        integer, intent(inout) :: found(1) !! 1 is set where a cell is bad; all set the same
+        real(rk) :: new(max_var), old(max_var)
+        integer(int64) :: at, p
+        integer :: c, ijk(3)
+
+        if (place(s) == 0) return
+        at = place(s)
+        ijk = cell_at(nodes%n, cell(s))
+        if (task /= to_redo) then
+            if (.not. is_touched(pass, task, nodes%grid, ijk(1), ijk(2), ijk(3), bad)) return
+        end if
+        do c = 1, max_var
+            old(c) = 0
+            new(c) = 0
+            if (c > nodes%grid%n_var) cycle
+            p = at + (c - 1)*nodes%grid%apart
+            old(c) = u(p)
+            new(c) = euler(c, s)
+            if (task /= to_redo) cycle
+            if (ahead == 0) to(p) = joined(c, s)
+            if (ahead == 1) to(p) = u_start(p) + stage%weight*(u(p) - u_start(p) &
+                                                               + stage%dt*joined(c, s))
+        end do
+        if (shut(s) /= 0) return
+        call mark_cell(nodes%grid%n_var, stage%floors, pass, task, at, old, new, bad, found)
+        if (ahead == 0 .or. task /= to_lose .or. bad(at) /= lost_mark) return
+        do c = 1, nodes%grid%n_var ! what it would have become
+            to(at + (c - 1)*nodes%grid%apart) = new(c)
+        end do
+    end subroutine cut_finish
+
+    !> Count the cells whose wall moves.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_count_moving(s, v, moving)
+        integer, intent(in) :: s !! entries
+        real(rk), intent(in) :: v(3, *)
+        integer, intent(inout) :: moving !@count cells
+
+        if (max(abs(v(1, s)), abs(v(2, s)), abs(v(3, s))) > 0) moving = moving + 1
+    end subroutine cut_count_moving
+
+    !> The brick of a listed cell is reached; all that lie in a brick write the same.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_reach(s, nodes, cell, place, reached)
+        integer, intent(in) :: s !! entries
+        type(node_grid_t), intent(in) :: nodes
+        integer(int32), intent(in) :: cell(*), place(*)
+        integer(int8), intent(inout) :: reached(*) !! (bricks)
+        integer :: ijk(3)
+
+        if (place(s) == 0) return
+        ijk = cell_at(nodes%n, cell(s))
+        reached(brick_of(nodes%grid, ijk(1), ijk(2), ijk(3))) = 1_int8
+    end subroutine cut_reach
 end module brz_cut_loop_bodies

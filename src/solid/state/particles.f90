@@ -23,6 +23,7 @@ module brz_particles
         integer :: wide = 3 !! rows of x and v; on a GPU there are four
         integer :: stride_d = 1, stride_p = 3 !! distances in `load` of directions, of particles
         integer :: stride_t = 6 !! distance of particles in `face_stress`
+        integer :: stride_w = 1 !! likewise in `volume`
         integer :: n_hist = 0 !! history variables kept per particle
         integer :: dimension = 3 !! 3, or 2 (plane strain), or 1
         logical :: mirror(3) = .false. !! symmetry plane through the origin normal to each axis

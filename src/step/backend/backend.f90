@@ -83,7 +83,6 @@ contains
         if (.not. backend%bodies_on_gpu) return
         call cannot_run_solid(solid, why)
         if (coupling%paper) why = "the coupling scheme='paper'"
-        if (coupling%wall%cells%present) why = "the coupling scheme='cut_cells'"
         if (.not. allocated(why)) then
             note = 'the bodies run on '
             if (backend%on_gpu) note = 'air and bodies run on '

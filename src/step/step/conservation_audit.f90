@@ -5,7 +5,7 @@
 !> All values are of what is modelled (a half or a quarter where symmetry planes cut the scene).
 module brz_conservation_audit
     use brz_air_state, only: air_t
-    use brz_air_totals, only: counts_of_all, outflow_of_all
+    use brz_air_totals, only: counts_of_all, leave_out, outflow_of_all
     use brz_backend, only: backend_t
     use brz_cohesive_setup, only: interface_name
     use brz_cohesive_part, only: share_points
@@ -230,18 +230,22 @@ contains
         real(dp), intent(out) :: kinetic !! energy of the gas [J]
         real(dp), intent(out) :: products !! mass of products of explosives [kg]
         type(error_t), intent(inout) :: err
-        real(dp) :: deferred(5), totals(0:6), more
+        real(dp) :: deferred(5), lack(0:6), totals(0:6), more
 
         if (backend%on_gpu) then
             call gpu_air_totals(air%device, air, totals, err)
             call gpu_outflow(air%device, air, err)
-            gas = totals(1:5)
             kept = 0
             more = 0
-            if (coupling%on_gpu) then
+            if (coupling%wall%cells%present) then
+                lack = 0
+                call leave_out(air, coupling%wall%cells, lack, err)
+                totals = totals + lack*product(air%dx)
+            else if (coupling%on_gpu) then
                 call stored_totals(air, coupling, kept, more, err)
-                call fetch_diagnostics(coupling, err)
             end if
+            if (coupling%on_gpu) call fetch_diagnostics(coupling, err)
+            gas = totals(1:5)
             kinetic = totals(0)
             products = totals(6) + more
         else
