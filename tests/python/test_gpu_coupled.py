@@ -111,3 +111,38 @@ def test_what_lies_on_what_sleeps_presses_once_it_wakes(deck):
     energy = bodies["b:kinetic[J]"]
     assert energy[5] < 1e-20 and energy[-1] > 0.1  # it sleeps, and is pushed
     assert abs(gauges["c:contact_y[N]"]).max() > 1e3
+
+
+CUT = """&run title='t', t_end=1.2e-4, dimension=2 /
+&air box=0,0.16, 0,0.08, 0,1, cells=64,32,1,
+     bc='outflow','outflow','wall','wall','outflow','outflow' /
+&gas id='shock', box=0,0.03, 0,0.08, 0,1, density=3.266667, pressure=455962.5,
+     velocity=425.3672,0,0 /
+&material id='m', model='linear_elastic', density=20, youngs_modulus=1e9, poisson_ratio=0.3 /
+&body id='disc', shape='sphere', centre=0.051,0.043,0, radius=0.011, spacing=1.25e-3, material='m',
+      formulation='rigid' /
+&body id='held', shape='box', box=0.085,0.0875, 0.01,0.07, 0,1, spacing=1.25e-3, material='m',
+      fix='all' /
+&body id='driven', shape='box', box=0.12,0.13, 0.03,0.05, 0,1, spacing=1.25e-3, material='m',
+      formulation='rigid', motion_time=0,1, motion_velocity=-150,40,0, -150,40,0 /
+&coupling scheme='cut_cells' /
+&gauge id='g', at=0.066,0.043,0.5, quantity='overpressure' /
+&output dump_every=6e-5, checkpoint_every=2e-5, history_every=5e-6 /
+"""
+
+
+def test_walls_run_through_cells_as_on_the_cpu(deck):
+    (deck / "c.nml").write_text(CUT, encoding="utf-8")
+    for backend in ("gpu", "cpu"):
+        done = run(deck, "c.nml", "--backend", backend, "--out", backend)
+        assert done.returncode == 0, done.stderr
+        assert ("air and bodies run on Emulated" in done.stderr) == (backend == "gpu")
+    same("gpu", "cpu", deck)
+    steps = 0
+    for backend in ("gpu", "gpu", "cpu", "gpu"):
+        steps += 15
+        restart = ("--restart", "latest") if steps > 15 else ()
+        more = ("--set", f"run.max_steps={steps}") if steps < 60 else ()
+        done = run(deck, "c.nml", "--backend", backend, "--out", "parts", *more, *restart)
+        assert done.returncode == 0, done.stderr
+    same("parts", "gpu", deck)
