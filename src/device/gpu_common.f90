@@ -16,6 +16,7 @@ module brz_gpu_common
     integer, parameter :: most_rows = 8192 !! partial results that are folded at once
     integer, parameter :: rows_between = 2048
     integer, parameter :: rows_left = 32 !! for the host
+    integer, parameter :: each_adds = 16 !! numbers that a thread adds up, see partials_of
     integer, parameter :: many = 2**18 !! numbers of a scan that fill the GPU
     integer, parameter :: chunks(2) = [64, 8]
     !! numbers that a thread of a scan adds: of few, so that it is done in few launches, and of
@@ -26,7 +27,8 @@ module brz_gpu_common
         type(doubles_t) :: part, folded !! partial results
         type(buffer_t) :: asked, told !! what the host looks up, and the answer
     contains
-        procedure :: open, ask, running_sum, fold, read_sums, fold_boxes, read_boxes, largest
+        procedure :: open, ask, running_sum, fold, fold_sets, read_sums, fold_boxes, read_boxes
+        procedure :: largest
     end type gpu_common_t
 
 contains
@@ -134,50 +136,66 @@ contains
         end if
     end subroutine fold
 
-    !> How many partial results of n numbers there are to fold: `most` at most, and no more than
-    !> fold needs to add up as it does with any more, of which those behind the last number are 0.
-    pure integer function partials_of(n, most) result(m)
-        integer, intent(in) :: n, most
+    !> How many partial results of n numbers there are to fold.
+    elemental integer function partials_of(n) result(m)
+        integer, intent(in) :: n
 
-        m = rows_between*((n - 1)/rows_between + 1)
-        m = min(most, max(m, most_rows + rows_between))
-        if (n <= rows_between) m = rows_left*((max(n, 1) - 1)/rows_left + 1)
+        m = min((n + each_adds - 1)/each_adds, most_rows)
     end function partials_of
 
-    !> The sums of the sets that wait.
-    subroutine read_sums(self, sums, err)
+    !> Sums over the partial results of several sets, column by column, in a fixed order: what is
+    !> left waits for read_sums.
+    subroutine fold_sets(self, part, sets, first, last, columns, err)
         class(gpu_common_t), intent(in) :: self
+        type(doubles_t), intent(in) :: part !! set by set (partial results, columns)
+        type(integers_t), intent(in) :: sets !! (4, sets) 3, 4: partial results before, of the set
+        integer, intent(in) :: first, last !! sets
+        integer, intent(in) :: columns
+        type(error_t), intent(inout) :: err
+
+        call common_kernels%fold_sets([rows_left, columns, last - first + 1], rows_left, &
+            from(sets, 4_int64*first - 3), part, &
+            from(self%folded, rows_left*columns*(first - 1_int64) + 1), err)
+    end subroutine fold_sets
+
+    !> The sums of the sets that wait, from a first one on.
+    subroutine read_sums(self, first, sums, err)
+        class(gpu_common_t), intent(in) :: self
+        integer, intent(in) :: first !! set
         real(dp), intent(out), contiguous :: sums(:, :) !! (columns, sets)
         type(error_t), intent(inout) :: err
         real(dp) :: folded(rows_left, size(sums, 1), size(sums, 2))
 
         folded = 0
-        call copy_out(self%folded, folded, 8_int64*size(folded), err)
+        call copy_out(from(self%folded, rows_left*size(sums, 1)*(first - 1_int64) + 1), folded, &
+                      8_int64*size(folded), err)
         sums = sum(folded, 1)
     end subroutine read_sums
 
-    !> Corners of the box that holds m boxes, which are many: what is left waits in a set.
-    subroutine fold_boxes(self, part, m, set, err)
+    !> Corners of the boxes that hold the boxes of each set: what is left waits for read_boxes.
+    subroutine fold_boxes(self, part, sets, first, last, err)
         class(gpu_common_t), intent(in) :: self
-        type(doubles_t), intent(in) :: part !! (m, 6) minus the low corners, the high ones
-        integer, intent(in) :: m, set
+        type(doubles_t), intent(in) :: part !! see fold_sets: minus the low corners, the high ones
+        type(integers_t), intent(in) :: sets !! see fold_sets
+        integer, intent(in) :: first, last !! sets
         type(error_t), intent(inout) :: err
 
-        call common_kernels%most_of_columns([rows_between, 6, 1], m, rows_between, part, &
-                                            self%part, err)
-        call common_kernels%most_of_columns([rows_left, 6, 1], rows_between, rows_left, &
-            self%part, from(self%folded, rows_left*6*(set - 1_int64) + 1), err)
+        call common_kernels%most_of_sets([rows_left, 6, last - first + 1], rows_left, &
+            from(sets, 4_int64*first - 3), part, &
+            from(self%folded, rows_left*6*(first - 1_int64) + 1), err)
     end subroutine fold_boxes
 
-    !> The boxes that wait, those of sets without one are any [m].
-    subroutine read_boxes(self, box, err)
+    !> The boxes that wait, from that of a first set on [m].
+    subroutine read_boxes(self, first, box, err)
         class(gpu_common_t), intent(in) :: self
+        integer, intent(in) :: first !! set
         real(dp), intent(out), contiguous :: box(:, :, :) !! (3, 2, sets)
         type(error_t), intent(inout) :: err
         real(dp) :: folded(rows_left, 3, 2, size(box, 3))
 
         folded = 0
-        call copy_out(self%folded, folded, 8_int64*size(folded), err)
+        call copy_out(from(self%folded, rows_left*6*(first - 1_int64) + 1), folded, &
+                      8_int64*size(folded), err)
         box = maxval(folded, 1)
         box(:, 1, :) = -box(:, 1, :)
     end subroutine read_boxes

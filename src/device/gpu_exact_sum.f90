@@ -72,7 +72,7 @@ contains
 
         if (pass == 1) then
             call self%common%fold(self%sums, tally_threads, limbs*n, 1, err)
-            call self%common%read_sums(sums, err)
+            call self%common%read_sums(1, sums, err)
             call close_sums(self%ranks, self%scales(:n), &
                             reshape(nint(sums, int64), [limbs, n]), self%total(:n))
             return

@@ -43,10 +43,10 @@ contains
         whole = .not. solid%bodies%cells%in_part
         if (several(solid%ranks)) whole = anew .and. whole .or. .not. solid%part%keeps
         if (sorted .and. several(solid%ranks)) call go_to_owners(solid, anew, whole, err)
+        if (solid%on_gpu) call note_boxes(solid%device, solid, anew, err)
         do b = 1, size(anew)
             if (sorted .and. anew(b) .and. whole(b)) call sort_body(solid, b, err)
         end do
-        if (solid%on_gpu) call note_boxes(solid%device, solid, anew, err)
         call settle_links(solid, .not. sort, err)
         news = 0
         if (sorted .and. several(solid%ranks)) call lay_ghosts(solid, anew, whole, news, err)

@@ -15,6 +15,7 @@ module brz_gpu_solid_copy
     use brz_gpu_solid_links, only: open_gpu_links
     use brz_gpu_solid_state, only: attach_solid, bytes_of_real, column_of, open_gpu_solid_memory, &
         tags_of
+    use brz_gpu_solid_tiles, only: adders_of, lay_adders
     use brz_solid_device, only: solid_device_t
     use brz_kinds, only: dp, int32, int64, rk
     use brz_materials, only: unloaded_speed
@@ -223,18 +224,17 @@ contains
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         real(dp) :: values(13, size(id))
-        integer :: b, i(size(id)), k
+        type(integers_t) :: tiles
+        integer :: i(size(id)), k, threads(3)
 
         if (gpu%fetched .or. size(id) == 0) return
         call gpu%common%ask(id, 4_int64*size(id), 8_int64*size(values), err)
         call clear_buffer(gpu%common%told, err, 8_int64*size(values))
-        do b = 1, size(gpu%bodies)
-            associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
-                call solid_kernels%find_particles([last - first + 1, 1, 1], gpu%stride_d, first, &
-                    last, size(id), integers_t(gpu%common%asked), gpu%tag, gpu%place, &
-                    gpu%reference, gpu%motion, gpu%state, doubles_t(gpu%common%told), err)
-            end associate
-        end do
+        call lay_adders(gpu, err)
+        call adders_of(gpu, 1, size(gpu%bodies), tiles, threads)
+        if (threads(1) > 0) call solid_kernels%find_particles(threads, gpu%stride_d, tiles, &
+            gpu%adders%sets, size(id), integers_t(gpu%common%asked), gpu%tag, gpu%place, &
+            gpu%reference, gpu%motion, gpu%state, doubles_t(gpu%common%told), err)
         values = 0
         call copy_out(gpu%common%told, values, 8_int64*size(values), err)
         call settle_bodies(gpu, solid, err)

@@ -2,18 +2,18 @@
 !> Numbers about all particles on the GPU: energy accounts, extents, time step. Folded in a fixed
 !> order.
 module brz_gpu_solid_diagnostics
-    use brz_buffers, only: doubles_t, from
+    use brz_buffers, only: doubles_t, from, integers_t
     use brz_device, only: clear_buffer
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
     use brz_motion_loop_bodies, only: n_sum
     use brz_formulation_names, only: artificial_none
-    use brz_gpu_common, only: partials_of
     use brz_gpu_solid_layout, only: diag_ahead, diag_clamped, diag_contact, &
         diag_contact_early, diag_contact_heat, diag_damage, diag_early, diag_force, &
         diag_friction, diag_stiff, diag_load, diag_plastic, diag_rub, diag_viscous, n_diag
-    use brz_gpu_solid_state, only: diag_of, total_threads
-    use brz_solid_device, only: body_device_t, solid_device_t
+    use brz_gpu_solid_state, only: diag_of
+    use brz_gpu_solid_tiles, only: adders_of, lay_adders
+    use brz_solid_device, only: solid_device_t
     use brz_kinds, only: dp, int64, rk
     use brz_ranks, only: least_of_all
     use brz_solid_launches, only: solid_kernels
@@ -22,51 +22,49 @@ module brz_gpu_solid_diagnostics
     use brz_interacting_bodies, only: interacting_bodies_t
     implicit none
     private
-    public :: add_held_impulse, boxes_of_all, fetch_accounts, fetch_limit, find_extent, &
+    public :: add_held_impulse, boxes_of_all, fetch_accounts, fetch_limit, find_extents, &
         forget_gone, note_boxes, sum_states
 
 contains
 
     !> Sums of the state of each body, of all processes.
     subroutine sum_states(gpu, solid, sums, err)
-        type(solid_device_t), intent(in) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         class(particles_t), intent(in) :: solid
         real(dp), intent(out) :: sums(n_sum, size(gpu%bodies)) !! see sum_state
         type(error_t), intent(inout) :: err
         real(dp) :: own(n_sum, size(gpu%bodies)), all(n_sum*size(gpu%bodies))
-        integer :: b, m
+        type(integers_t) :: tiles
+        integer :: threads(3)
 
-        do b = 1, size(gpu%bodies)
-            m = adders(gpu%bodies(b))
-            call solid_kernels%solid_state_of([m, 1, 1], gpu%stride_d, m, gpu%bodies(b)%first, &
-                gpu%bodies(b)%last, real(solid%dt_last/2, rk), gpu%region, gpu%place, gpu%motion, &
-                gpu%state, gpu%tag, gpu%partial, err)
-            call gpu%common%fold(gpu%partial, m, n_sum, b, err)
-        end do
-        call gpu%common%read_sums(own, err)
+        call lay_adders(gpu, err)
+        call adders_of(gpu, 1, size(gpu%bodies), tiles, threads)
+        if (threads(1) > 0) call solid_kernels%solid_state_of(threads, gpu%stride_d, tiles, &
+            gpu%adders%sets, real(solid%dt_last/2, rk), gpu%region, gpu%place, gpu%motion, &
+            gpu%state, gpu%tag, gpu%adders%part, err)
+        call gpu%common%fold_sets(gpu%adders%part, gpu%adders%sets, 1, size(gpu%bodies), n_sum, err)
+        call gpu%common%read_sums(1, own, err)
         call exact_sums(solid%ranks, reshape(own, [size(own), 1]), all)
         sums = reshape(all, shape(sums))
     end subroutine sum_states
 
-    !> Threads that add up the particles of a body.
-    pure integer function adders(body)
-        type(body_device_t), intent(in) :: body
-
-        adders = partials_of(body%last - body%first + 1, total_threads)
-    end function adders
-
-    !> Fold the columns of `diag` over body b.
-    subroutine fold_diag(gpu, b, set, err)
-        type(solid_device_t), intent(in) :: gpu
-        integer, intent(in) :: b, set !! body, and where its sums wait
+    !> Sums of the columns of `diag` over the bodies first..last, each.
+    subroutine sum_diag(gpu, first, last, sums, err)
+        type(solid_device_t), intent(inout) :: gpu
+        integer, intent(in) :: first, last !! bodies
+        real(dp), intent(out) :: sums(n_diag, last - first + 1)
         type(error_t), intent(inout) :: err
-        integer :: m
+        type(integers_t) :: tiles
+        integer :: threads(3)
 
-        m = adders(gpu%bodies(b))
-        call solid_kernels%solid_diag_of([m, n_diag, 1], gpu%stride_d, m, gpu%bodies(b)%first, &
-            gpu%bodies(b)%last, gpu%diag, gpu%partial, err)
-        call gpu%common%fold(gpu%partial, m, n_diag, set, err)
-    end subroutine fold_diag
+        call lay_adders(gpu, err)
+        call adders_of(gpu, first, last, tiles, threads)
+        threads(2) = n_diag
+        if (threads(1) > 0) call solid_kernels%solid_diag_of(threads, gpu%stride_d, tiles, &
+            gpu%adders%sets, gpu%diag, gpu%adders%part, err)
+        call gpu%common%fold_sets(gpu%adders%part, gpu%adders%sets, first, last, n_diag, err)
+        call gpu%common%read_sums(first, sums, err)
+    end subroutine sum_diag
 
     !> Bring the energy accounts and the reactions of all bodies up to date.
     subroutine fetch_accounts(gpu, solid, err)
@@ -77,10 +75,7 @@ contains
         integer :: b
 
         if (gpu%summed .or. .not. gpu%stepped) return
-        do b = 1, size(gpu%bodies)
-            call fold_diag(gpu, b, b, err)
-        end do
-        call gpu%common%read_sums(diagnostics, err)
+        call sum_diag(gpu, 1, size(gpu%bodies), diagnostics, err)
         if (failed(err)) return
         do b = 1, size(gpu%bodies)
             call fill_account(gpu, b, diagnostics(:, b), solid)
@@ -127,7 +122,7 @@ contains
 
     !> Add the mean force of body b on what holds it in the last pass 2, and record its impulse.
     subroutine add_held_impulse(gpu, solid, b, dt, force, err)
-        type(solid_device_t), intent(in) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         class(bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! step just made [s]
@@ -135,32 +130,31 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: diag(n_diag, 1)
 
-        call fold_diag(gpu, b, 1, err)
-        call gpu%common%read_sums(diag, err)
+        call sum_diag(gpu, b, b, diag, err)
         associate (impulse => diag(diag_force + 1:diag_force + 3, 1))
             solid%bodies(b)%reaction = solid%bodies(b)%reaction + impulse
             force = force + impulse/dt
         end associate
     end subroutine add_held_impulse
 
-    !> Corners of body b in this process, for given places, wait in its set; without particles the
-    !> low one is huge and above the high one.
-    subroutine find_extent(gpu, b, place, err)
-        type(solid_device_t), intent(in) :: gpu
-        integer, intent(in) :: b
+    !> Corners of the bodies first..last in this process, for given places, wait in their sets;
+    !> without particles the low one is huge and above the high one.
+    subroutine find_extents(gpu, first, last, place, err)
+        type(solid_device_t), intent(inout) :: gpu
+        integer, intent(in) :: first, last !! bodies
         type(doubles_t), intent(in) :: place
         type(error_t), intent(inout) :: err
-        integer :: m
+        type(integers_t) :: tiles
+        integer :: threads(3)
 
-        m = adders(gpu%bodies(b))
-        associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
-            call solid_kernels%solid_extent([m, 1, 1], first, last, m, gpu%fixed, place, &
-                                            gpu%partial, err)
-        end associate
-        call gpu%common%fold_boxes(gpu%partial, m, b, err)
-    end subroutine find_extent
+        call lay_adders(gpu, err)
+        call adders_of(gpu, first, last, tiles, threads)
+        if (threads(1) > 0) call solid_kernels%solid_extent(threads, tiles, gpu%adders%sets, &
+            gpu%fixed, place, gpu%adders%part, err)
+        call gpu%common%fold_boxes(gpu%adders%part, gpu%adders%sets, first, last, err)
+    end subroutine find_extents
 
-    !> Corners of some bodies at their positions `built`, where links are chosen by them.
+    !> Corners of some bodies at their positions `built`: cells and links are chosen by them.
     subroutine note_boxes(gpu, solid, which, err)
         type(solid_device_t), intent(inout) :: gpu
         class(particles_t), intent(in) :: solid
@@ -169,26 +163,25 @@ contains
         real(dp) :: box(3, 2, size(which))
         integer :: b
 
-        if (.not. gpu%linked) return
-        do b = 1, size(which)
-            if (which(b)) call find_extent(gpu, b, gpu%built, err)
-        end do
-        call boxes_of_all(gpu, solid, box, err)
+        if (.not. any(which)) return
+        call find_extents(gpu, 1, size(which), gpu%built, err)
+        call boxes_of_all(gpu, solid, 1, box, err)
         do b = 1, size(which)
             if (which(b)) gpu%bodies(b)%box = box(:, :, b)
         end do
     end subroutine note_boxes
 
-    !> Corners of the bodies whose extents wait, of all processes.
-    subroutine boxes_of_all(gpu, solid, box, err)
+    !> Corners of the bodies whose extents wait, from a first one on, of all processes.
+    subroutine boxes_of_all(gpu, solid, first, box, err)
         type(solid_device_t), intent(in) :: gpu
         class(particles_t), intent(in) :: solid
+        integer, intent(in) :: first !! body
         real(dp), intent(out) :: box(:, :, :) !! (3, 2, bodies) [m]
         type(error_t), intent(inout) :: err
         real(dp) :: least(size(box))
         integer :: b
 
-        call gpu%common%read_boxes(box, err)
+        call gpu%common%read_boxes(first, box, err)
         box(:, 2, :) = -box(:, 2, :)
         least = reshape(box, [size(box)])
         call least_of_all(solid%ranks, least)

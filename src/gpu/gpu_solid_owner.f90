@@ -11,7 +11,7 @@ module brz_gpu_solid_owner
     use brz_gpu_solid_layout, only: n_diag, slice_width
     use brz_gpu_solid_state, only: diag_of
     use brz_solid_device, only: solid_device_t
-    use brz_gpu_solid_diagnostics, only: fetch_accounts, find_extent
+    use brz_gpu_solid_diagnostics, only: fetch_accounts, find_extents
     use brz_owner_launches, only: owner_kernels
     use brz_kinds, only: dp, int64
     use brz_places, only: message_buffers_t
@@ -40,7 +40,7 @@ contains
 
     !> The lowest homes of particles of all processes, where planes of symmetry are; all must call.
     subroutine find_lowest(gpu, solid, part, err)
-        type(solid_device_t), intent(in) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         class(bodies_t), intent(in) :: solid
         type(solid_part_t), intent(inout) :: part
         type(error_t), intent(inout) :: err
@@ -50,9 +50,9 @@ contains
         part%lowest = -huge(1.0_dp)
         if (.not. any(solid%mirror)) return
         do b = 1, size(gpu%bodies)
-            call find_extent(gpu, b, owners_of(gpu, solid, b), err)
+            call find_extents(gpu, b, b, owners_of(gpu, solid, b), err)
         end do
-        call gpu%common%read_boxes(box, err)
+        call gpu%common%read_boxes(1, box, err)
         lowest = minval(box(:, 1, :), 2)
         call least_of_all(solid%ranks, lowest)
         where (solid%mirror) part%lowest = lowest
@@ -61,18 +61,15 @@ contains
     !> Boxes that the particles of each body fill in each process, where links want them; all must
     !> call.
     subroutine find_boxes(gpu, solid, part, err)
-        type(solid_device_t), intent(in) :: gpu
+        type(solid_device_t), intent(inout) :: gpu
         class(listed_bodies_t), intent(in) :: solid
         type(solid_part_t), intent(inout) :: part
         type(error_t), intent(inout) :: err
         real(dp) :: box(3, 2, size(gpu%bodies))
-        integer :: b
 
         if (.not. has_boxes(solid)) return
-        do b = 1, size(gpu%bodies)
-            call find_extent(gpu, b, gpu%x_built, err)
-        end do
-        call gpu%common%read_boxes(box, err)
+        call find_extents(gpu, 1, size(gpu%bodies), gpu%x_built, err)
+        call gpu%common%read_boxes(1, box, err)
         call tell_boxes(solid%ranks, box, part%boxes)
     end subroutine find_boxes
 

@@ -18,7 +18,7 @@ module brz_gpu_solid_search
     use brz_gpu_solid_lists, only: lay_lists, move_lists, pick_chosen
     use brz_gpu_solid_state, only: threads_of
     use brz_solid_device, only: body_device_t, solid_device_t, news_all, news_part
-    use brz_gpu_solid_diagnostics, only: boxes_of_all, find_extent, forget_gone
+    use brz_gpu_solid_diagnostics, only: boxes_of_all, find_extents, forget_gone
     use brz_owner_launches, only: owner_kernels
     use brz_kept_cells, only: kept_cells_t
     use brz_kinds, only: dp, int64, rk
@@ -177,7 +177,7 @@ contains
                 gpu%a, gpu%sums_of_forces, err)
         end associate
         call gpu%common%fold(gpu%sums_of_forces, tally_threads, 4, 1, err)
-        call gpu%common%read_sums(total, err)
+        call gpu%common%read_sums(1, total, err)
         numbers = nint(total(:, 1), int64) ! they are whole
         call sum_of_all(solid%ranks, numbers)
         v = drift_of(real(numbers, dp))
@@ -275,7 +275,7 @@ contains
         type(error_t), intent(inout) :: err
         type(kept_cells_t), intent(inout), optional :: kept !! chosen if there are none yet
         type(grid_gpu_t) :: grid
-        real(dp) :: box(3, 2, size(gpu%bodies))
+        real(dp) :: box(3, 2, 1)
         logical :: has_cells
 
         has_cells = .false.
@@ -283,11 +283,14 @@ contains
         if (has_cells) then
             call take_cells(solid%search, kept, reach)
         else
-            call find_extent(gpu, b, place, err)
-            call boxes_of_all(gpu, solid, box, err)
+            box(:, :, 1) = gpu%bodies(b)%box
+            if (place%address /= gpu%built%address) then
+                call find_extents(gpu, b, b, place, err)
+                call boxes_of_all(gpu, solid, b, box, err)
+            end if
             if (failed(err)) return
             associate (number => solid%bodies(b)%number)
-                call choose_cells(solid%search, box(:, 1, b), box(:, 2, b), &
+                call choose_cells(solid%search, box(:, 1, 1), box(:, 2, 1), &
                                   number(2) - number(1) + 1, reach)
             end associate
             if (present(kept)) then

@@ -36,9 +36,8 @@ module brz_gpu_solid_state
     implicit none
     private
     public :: open_gpu_solid_memory, lay_arrays, attach_solid, attach_links, note_ranges
-    public :: column_of, tags_of, diag_of, threads_of, bytes_of_real, words_of_real, total_threads
+    public :: column_of, tags_of, diag_of, threads_of, bytes_of_real, words_of_real
 
-    integer, parameter :: total_threads = 65536 !! partial results over a body
     integer, parameter :: words_of_real = storage_size(1.0_rk)/32 !! of 4 B
     integer(int64), parameter :: bytes_of_real = 4*words_of_real
     integer, parameter :: neighbours_guess = 100 !! entries per particle, to judge the memory
@@ -85,7 +84,6 @@ contains
         call allocate_buffer(gpu%region, 48_int64, err)
         call allocate_buffer(gpu%found, 4_int64*size(gpu%bodies), err)
         call allocate_buffer(gpu%sums_of_forces, 32_int64*tally_threads, err)
-        call allocate_buffer(gpu%partial, 8_int64*total_threads*max(n_diag, n_sum), err)
         call copy_in(solid%region, gpu%region, 48_int64, err)
     end subroutine open_gpu_solid_memory
 

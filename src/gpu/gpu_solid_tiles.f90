@@ -3,18 +3,22 @@
 !> cost a launch for each kind, not for each body.
 !>
 !> The particles of a body are cut into tiles, one for a block of threads: a block looks up its body
-!> and how many particles of it come before its own. Tiles of a kind lie side by side.
+!> and how many particles of it come before its own. Tiles of a kind lie side by side. Those of
+!> threads that add up numbers of the particles are others, for all bodies.
 module brz_gpu_solid_tiles
     use brz_buffers, only: from, integers_t
     use brz_device, only: copy_in, reserve_buffer, threads_per_block
     use brz_errors, only: error_t
-    use brz_gpu_solid_layout, only: list_offsets_t
+    use brz_gpu_common, only: partials_of
+    use brz_gpu_solid_layout, only: list_offsets_t, n_diag
     use brz_kinds, only: int64
     use brz_lists, only: put_changed => put_changed_table
+    use brz_motion_loop_bodies, only: n_sum
     use brz_solid_device, only: body_device_t, body_kind_t, solid_device_t
     implicit none
     private
-    public :: find_kinds, lay_tiles, tiles_of, threads_of_kind, threads_of_kinds
+    public :: adders_of, find_kinds, lay_adders, lay_tiles, tiles_of, threads_of_kind, &
+        threads_of_kinds
 
 contains
 
@@ -109,6 +113,55 @@ contains
             behind = (address - gpu%count%address)/4
         end function behind
     end subroutine put_offsets
+
+    !> Threads that add up numbers of the particles of each body, some of them each, and their
+    !> tiles; unless those on the GPU are right. Of m threads t has the particles t, t + m, ... of
+    !> the body.
+    subroutine lay_adders(gpu, err)
+        type(solid_device_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+        integer :: b, before, n, sets(4, size(gpu%bodies))
+        integer, allocatable :: tiles(:, :)
+
+        sets(1, :) = gpu%bodies%first
+        sets(2, :) = gpu%bodies%last
+        sets(4, :) = partials_of(sets(2, :) - sets(1, :) + 1)
+        sets(3, :) = [(sum(sets(4, :b - 1)), b=1, size(gpu%bodies))]
+        associate (adders => gpu%adders)
+            if (allocated(adders%sets_there)) then
+                if (all(adders%sets_there == [sets])) return
+            end if
+            call put_changed([sets], adders%sets_there, adders%sets, err)
+            call reserve_buffer(adders%part, &
+                                8_int64*max(n_diag, n_sum)*max(1, sum(sets(4, :))), err)
+            allocate (tiles(2, sum((sets(4, :) - 1)/threads_per_block + 1, sets(4, :) > 0)))
+            adders%first = [(0, b=1, size(gpu%bodies) + 1)]
+            n = 0
+            do b = 1, size(gpu%bodies)
+                adders%first(b) = n + 1
+                do before = 0, sets(4, b) - 1, threads_per_block
+                    n = n + 1
+                    tiles(:, n) = [b, before]
+                end do
+            end do
+            adders%first(size(adders%first)) = n + 1
+            call reserve_buffer(adders%tiles, 4_int64*size(tiles), err)
+            call copy_in(tiles, adders%tiles, 4_int64*size(tiles), err)
+        end associate
+    end subroutine lay_adders
+
+    !> The tiles of threads that add up numbers of the bodies first..last, and a block for each.
+    pure subroutine adders_of(gpu, first, last, tiles, threads)
+        type(solid_device_t), intent(in) :: gpu
+        integer, intent(in) :: first, last !! bodies
+        type(integers_t), intent(out) :: tiles
+        integer, intent(out) :: threads(3)
+
+        associate (begin => gpu%adders%first)
+            tiles = from(gpu%adders%tiles, 2_int64*begin(first) - 1)
+            threads = [(begin(last + 1) - begin(first))*threads_per_block, 1, 1]
+        end associate
+    end subroutine adders_of
 
     !> The tiles of a kind.
     pure type(integers_t) function tiles_of(gpu, kind)

@@ -149,7 +149,7 @@ contains
     end subroutine finish
 
     real(dp) function total(solid)
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(inout) :: solid
         type(solid_totals_t) :: t
 
         call solid_totals(solid, 0, t)

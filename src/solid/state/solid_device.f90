@@ -12,7 +12,8 @@ module brz_solid_device
     use brz_rows, only: rows_t
     implicit none
     private
-    public :: solid_device_t, body_device_t, body_kind_t, links_device_t, columns_t, lists_t
+    public :: solid_device_t, adders_t, body_device_t, body_kind_t, links_device_t, columns_t, &
+        lists_t
     public :: news_none, news_part, news_all
 
     ! what of a list is new: nothing; near marked cells, and in them; all
@@ -56,6 +57,16 @@ module brz_solid_device
         integer :: like = 0 !! a body of the kind
         integer :: first = 1, tiles = 0 !! its part of `tiles`: where it begins, how many
     end type body_kind_t
+
+    !> Threads that add up numbers of the particles, body by body, see lay_adders.
+    type :: adders_t
+        integer, allocatable :: first(:) !! (bodies + 1) tile of each body, of the end
+        type(integers_t) :: tiles !! (2, tiles) body, threads of it before the tile
+        type(integers_t) :: sets !! (4, bodies) first and last particle, gone or not; threads
+                                 !! before those of the body, its own
+        type(doubles_t) :: part !! what they have added up: body by body, (threads, columns)
+        integer, allocatable :: sets_there(:) !! what the GPU has
+    end type adders_t
 
     !> Pairs of particles of different bodies, arrays of links_t.
     type, extends(lists_t) :: links_device_t
@@ -106,7 +117,8 @@ module brz_solid_device
         type(energy_account_t), allocatable :: account(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
         type(doubles_t) :: sorted !! positions that lists are built for, cell by cell: order_cells
-        type(doubles_t) :: place, reference, built, diag, rate, region, partial, sums_of_forces
+        type(adders_t) :: adders
+        type(doubles_t) :: place, reference, built, diag, rate, region, sums_of_forces
         type(reals_t) :: motion, state, row, grad, control, axes, extra
         type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
         type(integers_t) :: tag, flags, count, cell, order
