@@ -25,8 +25,9 @@ module brz_solid_links
 contains
 
     !> The links are about to be built: note the drifts of the bodies, and how far they are apart.
-    subroutine settle_links(solid, resume)
+    subroutine settle_links(solid, anew, resume)
         class(listed_bodies_t), intent(inout) :: solid
+        logical, intent(in) :: anew(:) !! see begin_links
         logical, intent(in) :: resume !! for the drifts of the links that were there
         real(dp) :: ends(6*size(solid%bodies))
         integer :: b
@@ -47,7 +48,7 @@ contains
                 box(:, 1, :) = reshape(ends(:size(ends)/2), shape(box(:, 1, :)))
                 box(:, 2, :) = -reshape(ends(size(ends)/2 + 1:), shape(box(:, 1, :)))
             end if
-            call begin_links(solid, box, resume)
+            call begin_links(solid, anew, box, resume)
         end associate
     end subroutine settle_links
 

@@ -82,14 +82,19 @@ contains
     subroutine place_own(solid, err)
         class(bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        integer :: b
+        integer :: b, first
 
         call clear_list(solid%on_gpu, size(solid%loads%place), solid%loads%place, err)
+        first = 1
         do b = 1, size(solid%bodies)
             associate (there => solid%bodies(b), place => solid%loads%place)
-                call for_each_place_particle(solid%on_gpu, there%last - there%first + 1, &
-                    there%first, 1, solid%id, place, err)
+                if (b < size(solid%bodies)) then
+                    if (solid%bodies(b + 1)%first == there%last + 1) cycle ! they go together
+                end if
+                call for_each_place_particle(solid%on_gpu, there%last - first + 1, first, 1, &
+                                             solid%id, place, err)
             end associate
+            if (b < size(solid%bodies)) first = solid%bodies(b + 1)%first
         end do
     end subroutine place_own
 

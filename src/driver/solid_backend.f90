@@ -256,15 +256,16 @@ contains
     end subroutine build_links
 
     !> They are about to be built, for the drifts of now or, to resume, those that they had.
-    subroutine settle_links(solid, resume, err)
+    subroutine settle_links(solid, anew, resume, err)
         type(solid_t), intent(inout) :: solid
+        logical, intent(in) :: anew(:) !! (bodies) with new lists
         logical, intent(in) :: resume
         type(error_t), intent(inout) :: err
 
         if (solid%on_gpu) then
-            call gpu_settle_links(solid%device, solid, resume, err)
+            call gpu_settle_links(solid%device, solid, anew, resume, err)
         else
-            call cpu_settle_links(solid, resume)
+            call cpu_settle_links(solid, anew, resume)
         end if
     end subroutine settle_links
 

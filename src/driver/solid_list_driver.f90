@@ -47,7 +47,7 @@ contains
         do b = 1, size(anew)
             if (sorted .and. anew(b) .and. whole(b)) call sort_body(solid, b, err)
         end do
-        call settle_links(solid, .not. sort, err)
+        call settle_links(solid, anew, .not. sort, err)
         news = 0
         if (sorted .and. several(solid%ranks)) call lay_ghosts(solid, anew, whole, news, err)
         where (whole) solid%bodies%cells%in_part = .false.

@@ -92,12 +92,15 @@ contains
         class(listed_bodies_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
+        logical :: all(size(gpu%bodies))
+
+        all = .true.
         call clear_buffer(gpu%links%met, err)
         call clear_buffer(gpu%links%count, err)
-        call visit_bodies(gpu, solid, 0, .false., err)
+        call visit_bodies(gpu, solid, all, 0, .false., err)
         call lay_lists(gpu%links, gpu%common, gpu%links%count, 0, 4, gpu%links%slices, err)
         call clear_buffer(gpu%links%count, err)
-        call visit_bodies(gpu, solid, 1, .false., err)
+        call visit_bodies(gpu, solid, all, 1, .false., err)
     end subroutine link_all
 
     !> Links near new places, and of stale pairs of bodies. Lists that no longer have room go behind
@@ -108,30 +111,48 @@ contains
         logical, intent(out) :: fits !! else there is no room behind them, and no list is right
         type(error_t), intent(inout) :: err
         integer :: b, filled
+        logical :: changed(size(gpu%bodies))
 
         call clear_buffer(gpu%chosen, err)
+        changed = .false.
         do b = 1, size(gpu%bodies)
             call side_by_side(b)
-            call choose_by(gpu, solid, b, err)
+            call choose_by(gpu, solid, b, changed, err)
         end do
         call side_by_side(0)
         associate (links => gpu%links)
             call tie_kernels%drop_links(gpu%n, gpu%chosen, links%count, err)
-            call visit_bodies(gpu, solid, 2, .true., err)
+            call visit_bodies(gpu, solid, changed, 2, .true., err)
             call clear_buffer(gpu%chosen, err)
             filled = links%filled
             call move_lists(links, links%count, gpu%chosen, fits, err)
             if (.not. fits .or. links%filled == filled) return
             call tie_kernels%drop_links(gpu%n, gpu%chosen, links%count, err)
-            call visit_bodies(gpu, solid, 1, .true., err)
+            call visit_bodies(gpu, solid, share_slice(gpu, changed), 1, .true., err)
         end associate
     end subroutine link_part
 
+    !> Bodies some of whose particles have their links in a slice with those of the given bodies.
+    pure function share_slice(gpu, of) result(shares)
+        type(solid_device_t), intent(in) :: gpu
+        logical, intent(in) :: of(:) !! (bodies)
+        logical :: shares(size(of))
+        integer, dimension(size(of)) :: first, last
+        integer :: b
+
+        first = (gpu%bodies%first - 1)/slice_width
+        last = (gpu%bodies%last - 1)/slice_width
+        do b = 1, size(of)
+            shares(b) = any(of .and. first <= last(b) .and. last >= first(b))
+        end do
+    end function share_slice
+
     !> Choose the particles whose links with body b, or of which those in it, may be others.
-    subroutine choose_by(gpu, solid, b, err)
+    subroutine choose_by(gpu, solid, b, changed, err)
         type(solid_device_t), intent(inout) :: gpu
         class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: b
+        logical, intent(inout) :: changed(:) !! (bodies) true from now on where some are
         type(error_t), intent(inout) :: err
         integer :: a, everyone
         real(dp) :: reach
@@ -139,12 +160,15 @@ contains
         do a = 1, size(gpu%bodies)
             associate (body => gpu%bodies(b), other => gpu%bodies(a), &
                        shift => solid%links%drift(:, a, b))
+                if (.not. (body%news /= news_none .or. a /= b .and. solid%links%stale(a, b))) cycle
                 everyone = 1
                 if (body%news == news_part .and. .not. solid%links%stale(a, b)) everyone = 0
                 reach = -1 ! itself
-                if (a /= b) reach = links_reach(solid, a, b)
-                if (a /= b .and. .not. may_link(solid, a, b)) cycle
-                if (.not. (body%news /= news_none .or. a /= b .and. solid%links%stale(a, b))) cycle
+                if (a /= b) then
+                    if (.not. may_link(solid, a, b)) cycle
+                    reach = links_reach(solid, a, b)
+                end if
+                changed(a) = .true.
                 call solid_kernels%choose_links([body%rim - body%first + 1, 1, 1], everyone, &
                     body%rim, reach, &
                     shift(1), shift(2), shift(3), body%grid, body%code, body%marked, other%grid, &
@@ -166,21 +190,23 @@ contains
     end function corners
 
     !> Links are about to be built, for the drifts of now or, to resume, those that they had.
-    subroutine settle_links(gpu, solid, resume, err)
+    subroutine settle_links(gpu, solid, anew, resume, err)
         type(solid_device_t), intent(inout) :: gpu
         class(listed_bodies_t), intent(inout) :: solid
+        logical, intent(in) :: anew(:) !! see begin_links
         logical, intent(in) :: resume
         type(error_t), intent(inout) :: err
 
-        if (gpu%linked .and. .not. failed(err)) call begin_links(solid, corners(gpu), resume)
+        if (gpu%linked .and. .not. failed(err)) call begin_links(solid, anew, corners(gpu), resume)
     end subroutine settle_links
 
-    !> Count or list, for every particle or the chosen ones, the links with one body after the
-    !> other; note which bodies have some. Particles of different bodies look side by side: those of
-    !> small ones leave the GPU empty.
-    subroutine visit_bodies(gpu, solid, keep, some, err)
+    !> Count or list, for every particle of some bodies or the chosen ones, the links with one body
+    !> after the other; note which bodies have some. Particles of different bodies look side by
+    !> side: those of small ones leave the GPU empty.
+    subroutine visit_bodies(gpu, solid, which, keep, some, err)
         type(solid_device_t), intent(inout) :: gpu
         class(listed_bodies_t), intent(in) :: solid
+        logical, intent(in) :: which(:) !! (bodies)
         integer, intent(in) :: keep !! see solid_link_search
         logical, intent(in) :: some
         type(error_t), intent(inout) :: err
@@ -188,6 +214,7 @@ contains
 
         if (some) call clear_buffer(gpu%found, err)
         do a = 1, size(gpu%bodies)
+            if (.not. which(a)) cycle
             call side_by_side(a)
             if (some) call pick_chosen(gpu, a, err)
             do b = 1, size(gpu%bodies)

@@ -5,7 +5,7 @@
 module brz_bond_loop_bodies
     use brz_bond_marks, only: bond_breaks, bond_broken, tie_intact
     use brz_contact, only: bond_effort, joins, takes_part
-    use brz_contact_loop_bodies, only: look_ahead, look_along, owner_of
+    use brz_contact_loop_bodies, only: look_ahead, look_along, next_owner, owner_of
     use brz_force_layout, only: at_drag, at_heat, at_stiff, n_terms
     use brz_formulation_names, only: form_bending, form_corrected_hourglass
     use brz_gradient, only: moment_terms, outer_terms
@@ -46,13 +46,14 @@ contains
         integer(int64) :: at
 
         a = owner_of(lay%bodies, ends, i)
+        b = a
         do t = 1, 6
             other(t) = 0
         end do
         call links_of(lay, i, row, slice, count, t, n, at)
         do k = 1, n
             call look_ahead(lay, list, at, k, n, i, x, v, next, j, s, r, dv)
-            b = owner_of(lay%bodies, ends, j)
+            b = next_owner(lay%bodies, ends, j, b)
             if (.not. joins(table(a, b), bond(i) == tie_intact .and. bond(j) == tie_intact)) cycle
             w = volume(1, j)*kernel_slope(table(a, b)%scale/lay%depth, table(a, b)%half_over_h, &
                                           sqrt(r(1)**2 + r(2)**2 + r(3)**2))
@@ -132,6 +133,7 @@ contains
         integer(int64) :: at
 
         a = owner_of(lay%bodies, ends, i)
+        b = a
         do t = 1, 3
             unloaded(t) = x_ref(t, i)
         end do
@@ -141,7 +143,7 @@ contains
         call links_of(lay, i, row, slice, count, t, n, at)
         do k = 0, n - 1
             call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
-            b = owner_of(lay%bodies, ends, j)
+            b = next_owner(lay%bodies, ends, j, b)
             if (.not. joins(table(a, b), bond(i) == tie_intact .and. bond(j) == tie_intact)) cycle
             slope = kernel_slope(table(a, b)%scale/lay%depth, table(a, b)%half_over_h, &
                                  sqrt(r(1)**2 + r(2)**2 + r(3)**2))
@@ -353,13 +355,14 @@ contains
         if (bond(i) == bond_breaks) bond(i) = bond_broken
         if (bond(i) /= tie_intact) return
         a = owner_of(lay%bodies, ends, i)
+        b = a
         do t = 1, 3
             normal(t) = 0
         end do
         call links_of(lay, i, row, slice, count, t, n, at)
         do p = 0, n - 1
             call look_along(lay, list(at + p*lay%side), i, x, v, j, s, r, dv)
-            b = owner_of(lay%bodies, ends, j)
+            b = next_owner(lay%bodies, ends, j, b)
             if (table(a, b)%law /= law_bonded) cycle
             w = pair(pair_volume, j)*kernel_slope(table(a, b)%scale, table(a, b)%half_over_h, &
                                                   sqrt(r(1)**2 + r(2)**2 + r(3)**2))
@@ -378,7 +381,7 @@ contains
         effort = 0
         do p = 0, n - 1
             call look_along(lay, list(at + p*lay%side), i, x, v, j, s, r, dv)
-            b = owner_of(lay%bodies, ends, j)
+            b = next_owner(lay%bodies, ends, j, b)
             if (table(a, b)%law == law_bonded) &
                 effort = max(effort, bond_effort(table(a, b), own, normal))
         end do

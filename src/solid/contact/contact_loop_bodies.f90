@@ -20,8 +20,8 @@ module brz_contact_loop_bodies
         pair_volume
     implicit none
     private
-    public :: owner_of, look_ahead, look_along, sum_links, press_particle, push_particle, &
-        press_links, push_links
+    public :: owner_of, next_owner, look_ahead, look_along, sum_links, press_particle, &
+        push_particle, press_links, push_links
     public :: add_pair, trace_at
 
 contains
@@ -55,6 +55,22 @@ contains
             end if
         end do
     end function owner_of
+
+    !> The same, if the last one was of body b: links lie body by body.
+    !@cuf attributes(host,device) &
+    pure function next_owner(bodies, ends, i, b) result(owner)
+        integer, intent(in) :: bodies
+        integer(int32), intent(in) :: ends(*) !! last place of each body
+        integer, intent(in) :: i, b
+        integer :: owner
+
+        owner = b
+        if (i <= ends(b)) then
+            if (b == 1) return
+            if (i > ends(b - 1)) return
+        end if
+        owner = owner_of(bodies, ends, i)
+    end function next_owner
 
     !> Other end of a link: x_ij, v_ij, and the signs of mirrored components.
     !@cuf attributes(host,device) &
@@ -125,10 +141,11 @@ contains
         end do
         freed = 0
         a = owner_of(lay%bodies, ends, i)
+        b = a
         call links_of(lay, i, row, slice, count, t, n, at)
         do k = 1, n
             call look_ahead(lay, list, at, k, n, i, x, v, next, j, s, r, dv)
-            b = owner_of(lay%bodies, ends, j)
+            b = next_owner(lay%bodies, ends, j, b)
             if (.not. all) then
                 if (is_tied(table(a, b), bond(i), bond(j), joined(i), joined(j))) cycle
             end if
@@ -255,6 +272,7 @@ contains
         integer(int64) :: at
 
         a = owner_of(lay%bodies, ends, i)
+        b = a
         do t = 1, n_terms
             f(t) = 0
         end do
@@ -276,7 +294,7 @@ contains
             call look_ahead(lay, list, at, k, n, i, x, v, next, j, s, r, dv)
             d = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
             vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
-            b = owner_of(lay%bodies, ends, j)
+            b = next_owner(lay%bodies, ends, j, b)
             if (d > 2*table(a, b)%h) cycle
             if (table(a, b)%law /= law_shared) then
                 if (is_tied(table(a, b), bond(i), bond(j), joined(i), joined(j))) cycle

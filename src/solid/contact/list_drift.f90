@@ -63,14 +63,22 @@ contains
         integer, intent(in) :: level(:) !! (bodies) highest level of a particle
         logical, intent(out) :: stale(:) !! (bodies)
         logical, intent(out) :: relink !! else links%stale means nothing
+        real(dp) :: beyond(size(solid%bodies)), drift(size(solid%bodies), 3)
+        real(dp) :: moved(size(solid%bodies)), most
         integer :: a, b
 
         stale = level >= skin_levels
         relink = .false.
         if (solid%links%present) then
+            most = solid%skin*(1 + epsilon(most))
             do b = 1, size(solid%bodies)
+                drift(b, :) = solid%bodies(b)%drift
+                moved(b) = merge(0.0_dp, (level(b) + 1)*level_unit(solid), solid%bodies(b)%inactive)
+            end do
+            do b = 1, size(solid%bodies)
+                call look_beyond(solid, drift, b, beyond(:b))
                 do a = 1, b ! the table of laws is large: it is asked last
-                    if (lasts(solid, level, a, b)) cycle
+                    if (moved(a) + moved(b) + beyond(a) <= most) cycle ! their links are complete
                     if (solid%links%table(a, b)%law == law_none) cycle
                     relink = .true.
                     if (level(a) >= renewed_level) stale(a) = .true.
@@ -79,36 +87,31 @@ contains
             end do
             relink = relink .or. any(stale)
             do b = 1, merge(size(solid%bodies), 0, relink)
-                do a = 1, size(solid%bodies)
-                    solid%links%stale(a, b) = beyond(solid, a, b) > solid%skin/4
-                end do
+                call look_beyond(solid, drift, b, beyond)
+                solid%links%stale(:, b) = beyond > solid%skin/4
             end do
         end if
         if (solid%remove .and. (any(stale) .or. relink)) stale = .true.
     end subroutine find_stale
 
-    !> True where the links of two bodies are still complete.
-    pure logical function lasts(solid, level, a, b)
-        class(listed_bodies_t), intent(in) :: solid
-        integer, intent(in) :: level(:), a, b
-        real(dp) :: moved
-
-        moved = 0
-        if (.not. solid%bodies(a)%inactive) moved = (level(a) + 1)*level_unit(solid)
-        if (.not. solid%bodies(b)%inactive) moved = moved + (level(b) + 1)*level_unit(solid)
-        lasts = moved + beyond(solid, a, b) <= solid%skin*(1 + epsilon(moved))
-    end function lasts
-
-    !> How far two bodies have drifted against each other since they were linked, beyond what they
+    !> How far the first bodies have drifted against body b since they were linked, beyond what they
     !> were further apart than links reach [m].
-    pure real(dp) function beyond(solid, a, b)
+    pure subroutine look_beyond(solid, drift, b, beyond)
         class(listed_bodies_t), intent(in) :: solid
-        integer, intent(in) :: a, b
+        real(dp), intent(in), contiguous :: drift(:, :) !! (bodies, 3) since their lists [m]
+        integer, intent(in) :: b
+        real(dp), intent(out), contiguous :: beyond(:) !! (bodies)
+        integer :: a
 
-        associate (x => solid%bodies(a)%drift - solid%bodies(b)%drift - solid%links%drift(:, a, b))
-            beyond = sqrt(x(1)*x(1) + x(2)*x(2) + x(3)*x(3)) - solid%links%spare(a, b)
+        associate (links => solid%links)
+            do a = 1, size(beyond)
+                beyond(a) = sqrt((drift(a, 1) - drift(b, 1) - links%drift(1, a, b))**2 &
+                                 + (drift(a, 2) - drift(b, 2) - links%drift(2, a, b))**2 &
+                                 + (drift(a, 3) - drift(b, 3) - links%drift(3, a, b))**2) &
+                            - links%spare(a, b)
+            end do
         end associate
-    end function beyond
+    end subroutine look_beyond
 
     !> Body b is about to get a list for the places of today. Where particles leave the scene it
     !> does not drift: they are looked for whenever a list is built.
@@ -159,10 +162,11 @@ contains
     end subroutine decide_part
 
     !> The links are about to be built, for the drifts of now or those that they had before a
-    !> restart: note them, and how far the bodies are apart. Two that were too far apart for links
-    !> and are no longer are stale as well.
-    pure subroutine begin_links(solid, box, resume)
+    !> restart: note them, and how far the bodies are apart, where that may have changed. Two that
+    !> were too far apart for links and are no longer are stale as well.
+    pure subroutine begin_links(solid, anew, box, resume)
         class(listed_bodies_t), intent(inout) :: solid
+        logical, intent(in) :: anew(:) !! (bodies) that are listed for other places than before
         real(dp), intent(in) :: box(:, :, :) !! (3, 2, bodies) corners of x_built of all [m]
         logical, intent(in) :: resume !! after a restart
         integer :: a, b
@@ -171,6 +175,7 @@ contains
         associate (links => solid%links)
             do b = 1, size(solid%bodies)
                 do a = 1, size(solid%bodies)
+                    if (.not. (links%stale(a, b) .or. anew(a) .or. anew(b) .or. resume)) cycle
                     if (links%stale(a, b) .and. .not. resume) &
                         links%drift(:, a, b) = solid%bodies(a)%drift - solid%bodies(b)%drift
                     spare = max(gap(solid, a, b, box) - links_reach(solid, a, b), 0.0_dp)
@@ -213,7 +218,7 @@ contains
         class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: a, b
 
-        may_link = solid%links%table(a, b)%law /= law_none
-        if (may_link) may_link = .not. solid%links%spare(a, b) > 0
+        may_link = .not. solid%links%spare(a, b) > 0
+        if (may_link) may_link = solid%links%table(a, b)%law /= law_none ! the table is large
     end function may_link
 end module brz_list_drift

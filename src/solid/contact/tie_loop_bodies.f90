@@ -3,7 +3,7 @@
 !> then, where no bond or interface lets go.
 module brz_tie_loop_bodies
     use brz_contact, only: joins
-    use brz_contact_loop_bodies, only: owner_of
+    use brz_contact_loop_bodies, only: next_owner, owner_of
     use brz_contact_release, only: is_tied
     use brz_interaction, only: law_shared, interaction_t
     use brz_kinds, only: int32, int64
@@ -43,8 +43,9 @@ contains
         call links_of(lay, i, row, slice, count, r, n, at)
         if (r == 0) return
         a = owner_of(lay%bodies, ends, i)
+        b = a
         do k = 0, n - 1
-            b = owner_of(lay%bodies, ends, iand(list(at + k*lay%side), mask_unit - 1))
+            b = next_owner(lay%bodies, ends, iand(list(at + k*lay%side), mask_unit - 1), b)
             if (joins(table(a, b), .true.)) then
                 mark(i) = 1
                 return
@@ -70,9 +71,10 @@ contains
         if (r == 0) return
         loose(r) = 0
         a = owner_of(lay%bodies, ends, i)
+        b = a
         do k = 0, n - 1
             j = iand(list(at + k*lay%side), mask_unit - 1)
-            b = owner_of(lay%bodies, ends, j)
+            b = next_owner(lay%bodies, ends, j, b)
             if (table(a, b)%law == law_shared .or. .not. &
                 is_tied(table(a, b), bond(i), bond(j), joined(i), joined(j))) loose(r) = n
         end do
