@@ -4,7 +4,7 @@
 module brz_solid_backend
     use brz_errors, only: error_t
     use brz_gpu_solid_diagnostics, only: gpu_add_held_impulse => add_held_impulse, fetch_limit, &
-        note_boxes, sum_states
+        note_boxes, sum_forces_of_all, sum_states
     use brz_gpu_solid_contact, only: gpu_break_bonds => break_bonds, &
         gpu_contact_pass => contact_pass, gpu_find_press => find_press, note_active
     use brz_gpu_solid_copy, only: fetch_faults
@@ -44,7 +44,7 @@ module brz_solid_backend
     public :: build_links, settle_links
     ! what only a GPU needs
     public :: fetch_faults, fetch_limit, note_active, note_boxes, offer_motion, refresh_kept, &
-        renew_sleepers, sum_states
+        renew_sleepers, sum_forces_of_all, sum_states
     public :: exchange_motion
 
 contains

@@ -2,10 +2,11 @@
 !> Numbers about all particles on the GPU: energy accounts, extents, time step. Folded in a fixed
 !> order.
 module brz_gpu_solid_diagnostics
-    use brz_buffers, only: doubles_t, from, integers_t
+    use brz_buffers, only: doubles_t, from, integers_t, reals_t
     use brz_device, only: clear_buffer
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
+    use brz_force_loop_bodies, only: n_forces
     use brz_motion_loop_bodies, only: n_sum
     use brz_formulation_names, only: artificial_none
     use brz_gpu_solid_layout, only: diag_ahead, diag_clamped, diag_contact, &
@@ -23,7 +24,7 @@ module brz_gpu_solid_diagnostics
     implicit none
     private
     public :: add_held_impulse, boxes_of_all, fetch_accounts, fetch_limit, find_extents, &
-        forget_gone, note_boxes, sum_states
+        forget_gone, note_boxes, sum_forces_of_all, sum_states
 
 contains
 
@@ -47,6 +48,34 @@ contains
         call exact_sums(solid%ranks, reshape(own, [size(own), 1]), all)
         sums = reshape(all, shape(sums))
     end subroutine sum_states
+
+    !> Forces on each body, of all processes, with moments about the origin.
+    subroutine sum_forces_of_all(gpu, solid, sums, err)
+        type(solid_device_t), intent(inout) :: gpu
+        class(particles_t), intent(in) :: solid
+        real(dp), intent(out) :: sums(n_forces, size(gpu%bodies)) !! see sum_forces
+        type(error_t), intent(inout) :: err
+        real(dp) :: own(n_forces, size(gpu%bodies)), all(n_forces*size(gpu%bodies))
+        type(integers_t) :: tiles
+        type(reals_t) :: grip, load
+        integer :: threads(3)
+
+        load = gpu%a ! not read
+        if (gpu%column%load > 0) load = gpu%load
+        grip = gpu%a
+        if (gpu%column%reaction_force > 0) grip = gpu%reaction_force
+        call lay_adders(gpu, err)
+        call adders_of(gpu, 1, size(gpu%bodies), tiles, threads)
+        if (threads(1) > 0) call solid_kernels%solid_total_forces(threads, gpu%stride_d, tiles, &
+            gpu%adders%sets, merge(1, 0, gpu%column%load > 0), &
+            merge(1, 0, gpu%column%reaction_force > 0), gpu%place, gpu%mass, gpu%fixed, gpu%a, &
+            load, grip, gpu%adders%part, err)
+        call gpu%common%fold_sets(gpu%adders%part, gpu%adders%sets, 1, size(gpu%bodies), &
+                                  n_forces, err)
+        call gpu%common%read_sums(1, own, err)
+        call exact_sums(solid%ranks, reshape(own, [size(own), 1]), all)
+        sums = reshape(all, shape(sums))
+    end subroutine sum_forces_of_all
 
     !> Sums of the columns of `diag` over the bodies first..last, each.
     subroutine sum_diag(gpu, first, last, sums, err)

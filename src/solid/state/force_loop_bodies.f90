@@ -6,7 +6,9 @@ module brz_force_loop_bodies
     use brz_support, only: is_driven, is_kept
     implicit none
     private
-    public :: sum_forces, sum_momentum, sum_region
+    public :: sum_forces, sum_momentum, sum_region, n_forces
+
+    integer, parameter :: n_forces = 12 !! sums of sum_forces
 
 contains
 

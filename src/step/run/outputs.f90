@@ -8,7 +8,7 @@ module brz_outputs
     use brz_command_line, only: options_t
     use brz_coupling_setup, only: restart_coupling
     use brz_dumps, only: cut_dumps, start_dumps
-    use brz_force_driver, only: forces_on_body
+    use brz_force_driver, only: forces_on_bodies, n_forces
     use brz_errors, only: error_t, exit_io, exit_numerical, failed, raise
     use brz_gauge_quantities, only: from_impulse
     use brz_gauges, only: gauge_names, gauge_particles, gauge_places, gauge_points, gauge_row, &
@@ -257,13 +257,19 @@ contains
         type(simulation_t), intent(inout) :: sim
         type(gauges_t), intent(inout) :: gauges
         type(error_t), intent(inout) :: err
-        integer :: g
+        real(dp) :: at(3, gauges%n), sums(n_forces, gauges%n)
+        integer, allocatable :: asks(:)
+        integer :: g, k
 
-        do g = 1, gauges%n
-            associate (gauge => gauges%list(g))
-                if (gauge%of%whole == 0 .or. gauge%of%whole >= from_impulse) cycle
-                call forces_on_body(sim%solid, gauge%body, gauge%at, gauge%force, err)
-            end associate
+        asks = pack([(g, g=1, gauges%n)], gauges%list(:gauges%n)%of%whole > 0 .and. &
+            gauges%list(:gauges%n)%of%whole < from_impulse)
+        do k = 1, size(asks)
+            at(:, k) = gauges%list(asks(k))%at
+        end do
+        call forces_on_bodies(sim%solid, gauges%list(asks)%body, at(:, :size(asks)), &
+                              sums(:, :size(asks)), err)
+        do k = 1, size(asks)
+            gauges%list(asks(k))%force = sums(:, k)
         end do
     end subroutine weigh_bodies
 
