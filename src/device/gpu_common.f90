@@ -15,7 +15,7 @@ module brz_gpu_common
     integer, parameter :: first_fold = 32768, last_fold = 1024 !! of the largest number
     integer, parameter :: most_rows = 8192 !! partial results that are folded at once
     integer, parameter :: rows_between = 2048
-    integer, parameter :: rows_left = 32 !! for the host
+    integer, parameter :: most_left = 32, all_left = 1024 !! for the host: of a set; of all, nearly
     integer, parameter :: each_adds = 16 !! numbers that a thread adds up, see partials_of
     integer, parameter :: many = 2**18 !! numbers of a scan that fill the GPU
     integer, parameter :: chunks(2) = [64, 8]
@@ -26,6 +26,7 @@ module brz_gpu_common
         type(integers_t) :: levels !! of running sums
         type(doubles_t) :: part, folded !! partial results
         type(buffer_t) :: asked, told !! what the host looks up, and the answer
+        integer :: left = most_left !! partial results of a set that the host adds up
     contains
         procedure :: open, ask, running_sum, fold, fold_sets, read_sums, fold_boxes, read_boxes
         procedure :: largest
@@ -39,8 +40,9 @@ contains
         integer, intent(in) :: sets !! of columns that are folded before the host reads them
         type(error_t), intent(inout) :: err
 
+        self%left = max(1, min(most_left, all_left/sets))
         call allocate_buffer(self%part, 8_int64*first_fold, err)
-        call allocate_buffer(self%folded, 8_int64*max(rows_left*columns*sets, last_fold), err)
+        call allocate_buffer(self%folded, 8_int64*max(self%left*columns*sets, last_fold), err)
     end subroutine open
 
     !> Hand over which places or particles the host looks up, with room for what it is told.
@@ -125,14 +127,14 @@ contains
         type(error_t), intent(inout) :: err
         type(doubles_t) :: to
 
-        to = from(self%folded, rows_left*columns*(set - 1_int64) + 1)
+        to = from(self%folded, self%left*columns*(set - 1_int64) + 1)
         if (m > most_rows) then
             call common_kernels%fold_columns([rows_between, columns, 1], m, rows_between, part, &
                                              self%part, err)
-            call common_kernels%fold_columns([rows_left, columns, 1], rows_between, rows_left, &
+            call common_kernels%fold_columns([self%left, columns, 1], rows_between, self%left, &
                                              self%part, to, err)
         else
-            call common_kernels%fold_columns([rows_left, columns, 1], m, rows_left, part, to, err)
+            call common_kernels%fold_columns([self%left, columns, 1], m, self%left, part, to, err)
         end if
     end subroutine fold
 
@@ -153,9 +155,9 @@ contains
         integer, intent(in) :: columns
         type(error_t), intent(inout) :: err
 
-        call common_kernels%fold_sets([rows_left, columns, last - first + 1], rows_left, &
+        call common_kernels%fold_sets([self%left, columns, last - first + 1], self%left, &
             from(sets, 4_int64*first - 3), part, &
-            from(self%folded, rows_left*columns*(first - 1_int64) + 1), err)
+            from(self%folded, self%left*columns*(first - 1_int64) + 1), err)
     end subroutine fold_sets
 
     !> The sums of the sets that wait, from a first one on.
@@ -164,10 +166,10 @@ contains
         integer, intent(in) :: first !! set
         real(dp), intent(out), contiguous :: sums(:, :) !! (columns, sets)
         type(error_t), intent(inout) :: err
-        real(dp) :: folded(rows_left, size(sums, 1), size(sums, 2))
+        real(dp) :: folded(self%left, size(sums, 1), size(sums, 2))
 
         folded = 0
-        call copy_out(from(self%folded, rows_left*size(sums, 1)*(first - 1_int64) + 1), folded, &
+        call copy_out(from(self%folded, self%left*size(sums, 1)*(first - 1_int64) + 1), folded, &
                       8_int64*size(folded), err)
         sums = sum(folded, 1)
     end subroutine read_sums
@@ -180,9 +182,9 @@ contains
         integer, intent(in) :: first, last !! sets
         type(error_t), intent(inout) :: err
 
-        call common_kernels%most_of_sets([rows_left, 6, last - first + 1], rows_left, &
+        call common_kernels%most_of_sets([self%left, 6, last - first + 1], self%left, &
             from(sets, 4_int64*first - 3), part, &
-            from(self%folded, rows_left*6*(first - 1_int64) + 1), err)
+            from(self%folded, self%left*6*(first - 1_int64) + 1), err)
     end subroutine fold_boxes
 
     !> The boxes that wait, from that of a first set on [m].
@@ -191,10 +193,10 @@ contains
         integer, intent(in) :: first !! set
         real(dp), intent(out), contiguous :: box(:, :, :) !! (3, 2, sets)
         type(error_t), intent(inout) :: err
-        real(dp) :: folded(rows_left, 3, 2, size(box, 3))
+        real(dp) :: folded(self%left, 3, 2, size(box, 3))
 
         folded = 0
-        call copy_out(from(self%folded, rows_left*6*(first - 1_int64) + 1), folded, &
+        call copy_out(from(self%folded, self%left*6*(first - 1_int64) + 1), folded, &
                       8_int64*size(folded), err)
         box = maxval(folded, 1)
         box(:, 1, :) = -box(:, 1, :)

@@ -11,7 +11,7 @@ module brz_exact_sum
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_positive_inf, ieee_quiet_nan, &
                                              ieee_value
     use brz_kinds, only: dp, int64
-    use brz_ranks, only: most_of_all, ranks_t, sum_of_all
+    use brz_ranks, only: most_of_all, ranks_t, several, sum_of_all
     implicit none
     private
     public :: exact_sums, exact_sum
@@ -115,6 +115,11 @@ contains
         real(dp) :: largest(size(x, 1))
         integer :: i
 
+        if (size(x, 2) == 1 .and. .not. several(ranks)) then ! one term is exact as it is
+            total = x(:, 1)
+            where (.not. abs(total) <= huge(total)) total = ieee_value(total, ieee_quiet_nan)
+            return
+        end if
         largest = 0
         do i = 1, size(x, 2)
             call widen(x(:, i), largest)
