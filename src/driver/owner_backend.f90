@@ -31,7 +31,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (solid%on_gpu) then
-            call note_ranges(solid%bodies, solid%n, solid%device)
+            call note_ranges(solid%bodies, solid%n, solid%device, err)
             call gpu_find_boxes(solid%device, solid, solid%part, err)
         else
             call cpu_find_boxes(solid, solid%part)
@@ -44,7 +44,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (solid%on_gpu) then
-            call note_ranges(solid%bodies, solid%n, solid%device)
+            call note_ranges(solid%bodies, solid%n, solid%device, err)
             call gpu_find_lowest(solid%device, solid, solid%part, err)
         else
             call cpu_find_lowest(solid, solid%part)
@@ -91,7 +91,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (solid%on_gpu) then
-            call note_ranges(solid%bodies, solid%n, solid%device)
+            call note_ranges(solid%bodies, solid%n, solid%device, err)
             call gpu_send_away(solid%device, number, leaving, coming, err)
         else
             call cpu_send_away(solid, leaving, coming)
@@ -137,7 +137,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (solid%on_gpu) then
-            call note_ranges(solid%bodies, solid%n, solid%device)
+            call note_ranges(solid%bodies, solid%n, solid%device, err)
             call gpu_lay_arrays(solid%device, solid, old, err)
             call attach_solid(solid%device, solid)
             call gpu_settle_places(solid%device, solid, err)
@@ -152,7 +152,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (solid%on_gpu) then
-            call note_ranges(solid%bodies, solid%n, solid%device)
+            call note_ranges(solid%bodies, solid%n, solid%device, err)
             call gpu_settle_places(solid%device, solid, err)
             solid%part%keeps = .true.
             solid%device%settled = .false.

@@ -77,7 +77,7 @@ contains
             if (solid%part%grown) call mark_leaving(solid, go, out(:n, :), err) ! by place
             call change_places(solid, out(:n, :), in, sum(all(:n, :, :), 1), whole, err)
         end associate
-        if (solid%on_gpu) call note_ranges(solid%bodies, solid%n, solid%device)
+        if (solid%on_gpu) call note_ranges(solid%bodies, solid%n, solid%device, err)
     end subroutine go_to_owners
 
     !> Cut the regions for the places of now.
@@ -175,7 +175,7 @@ contains
             anew = anew .or. whole .or. sum(sum(all(:n, :, :), 3), 2) > 0
         end associate
         if (.not. solid%on_gpu) return
-        call note_ranges(solid%bodies, solid%n, solid%device)
+        call note_ranges(solid%bodies, solid%n, solid%device, err)
         solid%device%fetched = .false.
         solid%device%summed = .false.
         solid%laid = solid%laid + 1

@@ -9,7 +9,7 @@ module brz_gpu_solid_bodies
     use brz_gradient, only: limiter_slope
     use brz_gpu_solid_layout, only: body_gpu_t, slice_width
     use brz_gpu_solid_state, only: bytes_of_real
-    use brz_gpu_solid_tiles, only: find_kinds
+    use brz_gpu_solid_tiles, only: find_kinds, lay_adders
     use brz_solid_device, only: columns_t, body_device_t, solid_device_t
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: int64, rk
@@ -61,6 +61,7 @@ contains
             call open_body(solid, b, gpu%column, gpu%bodies(b), err)
         end do
         call find_kinds(gpu)
+        call lay_adders(gpu, err)
     end subroutine open_gpu_bodies
 
     !> Bytes of a structure in an array.

@@ -15,7 +15,7 @@ module brz_gpu_solid_copy
     use brz_gpu_solid_links, only: open_gpu_links
     use brz_gpu_solid_state, only: attach_solid, bytes_of_real, column_of, open_gpu_solid_memory, &
         tags_of
-    use brz_gpu_solid_tiles, only: adders_of, lay_adders
+    use brz_gpu_solid_tiles, only: adders_of
     use brz_solid_device, only: solid_device_t
     use brz_kinds, only: dp, int32, int64, rk
     use brz_materials, only: unloaded_speed
@@ -230,7 +230,6 @@ contains
         if (gpu%fetched .or. size(id) == 0) return
         call gpu%common%ask(id, 4_int64*size(id), 8_int64*size(values), err)
         call clear_buffer(gpu%common%told, err, 8_int64*size(values))
-        call lay_adders(gpu, err)
         call adders_of(gpu, 1, size(gpu%bodies), tiles, threads)
         if (threads(1) > 0) call solid_kernels%find_particles(threads, gpu%stride_d, tiles, &
             gpu%adders%sets, size(id), integers_t(gpu%common%asked), gpu%tag, gpu%place, &

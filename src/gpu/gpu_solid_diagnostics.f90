@@ -13,7 +13,7 @@ module brz_gpu_solid_diagnostics
         diag_contact_early, diag_contact_heat, diag_damage, diag_early, diag_force, &
         diag_friction, diag_stiff, diag_load, diag_plastic, diag_rub, diag_viscous, n_diag
     use brz_gpu_solid_state, only: diag_of
-    use brz_gpu_solid_tiles, only: adders_of, lay_adders
+    use brz_gpu_solid_tiles, only: adders_of
     use brz_solid_device, only: solid_device_t
     use brz_kinds, only: dp, int64, rk
     use brz_ranks, only: least_of_all
@@ -30,7 +30,7 @@ contains
 
     !> Sums of the state of each body, of all processes.
     subroutine sum_states(gpu, solid, sums, err)
-        type(solid_device_t), intent(inout) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         class(particles_t), intent(in) :: solid
         real(dp), intent(out) :: sums(n_sum, size(gpu%bodies)) !! see sum_state
         type(error_t), intent(inout) :: err
@@ -38,7 +38,6 @@ contains
         type(integers_t) :: tiles
         integer :: threads(3)
 
-        call lay_adders(gpu, err)
         call adders_of(gpu, 1, size(gpu%bodies), tiles, threads)
         if (threads(1) > 0) call solid_kernels%solid_state_of(threads, gpu%stride_d, tiles, &
             gpu%adders%sets, real(solid%dt_last/2, rk), gpu%region, gpu%place, gpu%motion, &
@@ -51,7 +50,7 @@ contains
 
     !> Forces on each body, of all processes, with moments about the origin.
     subroutine sum_forces_of_all(gpu, solid, sums, err)
-        type(solid_device_t), intent(inout) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         class(particles_t), intent(in) :: solid
         real(dp), intent(out) :: sums(n_forces, size(gpu%bodies)) !! see sum_forces
         type(error_t), intent(inout) :: err
@@ -64,7 +63,6 @@ contains
         if (gpu%column%load > 0) load = gpu%load
         grip = gpu%a
         if (gpu%column%reaction_force > 0) grip = gpu%reaction_force
-        call lay_adders(gpu, err)
         call adders_of(gpu, 1, size(gpu%bodies), tiles, threads)
         if (threads(1) > 0) call solid_kernels%solid_total_forces(threads, gpu%stride_d, tiles, &
             gpu%adders%sets, merge(1, 0, gpu%column%load > 0), &
@@ -79,14 +77,13 @@ contains
 
     !> Sums of the columns of `diag` over the bodies first..last, each.
     subroutine sum_diag(gpu, first, last, sums, err)
-        type(solid_device_t), intent(inout) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: first, last !! bodies
         real(dp), intent(out) :: sums(n_diag, last - first + 1)
         type(error_t), intent(inout) :: err
         type(integers_t) :: tiles
         integer :: threads(3)
 
-        call lay_adders(gpu, err)
         call adders_of(gpu, first, last, tiles, threads)
         threads(2) = n_diag
         if (threads(1) > 0) call solid_kernels%solid_diag_of(threads, gpu%stride_d, tiles, &
@@ -151,7 +148,7 @@ contains
 
     !> Add the mean force of body b on what holds it in the last pass 2, and record its impulse.
     subroutine add_held_impulse(gpu, solid, b, dt, force, err)
-        type(solid_device_t), intent(inout) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         class(bodies_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! step just made [s]
@@ -169,14 +166,13 @@ contains
     !> Corners of the bodies first..last in this process, for given places, wait in their sets;
     !> without particles the low one is huge and above the high one.
     subroutine find_extents(gpu, first, last, place, err)
-        type(solid_device_t), intent(inout) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         integer, intent(in) :: first, last !! bodies
         type(doubles_t), intent(in) :: place
         type(error_t), intent(inout) :: err
         type(integers_t) :: tiles
         integer :: threads(3)
 
-        call lay_adders(gpu, err)
         call adders_of(gpu, first, last, tiles, threads)
         if (threads(1) > 0) call solid_kernels%solid_extent(threads, tiles, gpu%adders%sets, &
             gpu%fixed, place, gpu%adders%part, err)

@@ -45,7 +45,7 @@ contains
 
     !> What driven bodies take up in the first half step.
     subroutine record_first_half(gpu, solid, dt, err)
-        type(solid_device_t), intent(inout) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         class(bodies_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err

@@ -40,7 +40,7 @@ contains
 
     !> The lowest homes of particles of all processes, where planes of symmetry are; all must call.
     subroutine find_lowest(gpu, solid, part, err)
-        type(solid_device_t), intent(inout) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         class(bodies_t), intent(in) :: solid
         type(solid_part_t), intent(inout) :: part
         type(error_t), intent(inout) :: err
@@ -61,7 +61,7 @@ contains
     !> Boxes that the particles of each body fill in each process, where links want them; all must
     !> call.
     subroutine find_boxes(gpu, solid, part, err)
-        type(solid_device_t), intent(inout) :: gpu
+        type(solid_device_t), intent(in) :: gpu
         class(listed_bodies_t), intent(in) :: solid
         type(solid_part_t), intent(inout) :: part
         type(error_t), intent(inout) :: err

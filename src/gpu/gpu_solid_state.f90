@@ -24,6 +24,7 @@ module brz_gpu_solid_state
     use brz_pair_layout, only: n_pair
     use brz_present_table, only: attach, attach_bytes
     use brz_rows, only: rows_of_copy
+    use brz_gpu_solid_tiles, only: lay_adders
     use brz_solid_device, only: body_device_t, solid_device_t
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
     use brz_solid_places, only: whole_lanes
@@ -292,16 +293,18 @@ contains
     end subroutine attach_links
 
     !> The bodies have been given other places.
-    subroutine note_ranges(bodies, n, gpu)
+    subroutine note_ranges(bodies, n, gpu, err)
         type(body_t), intent(in) :: bodies(:)
         integer, intent(in) :: n !! places of all
         type(solid_device_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
 
         gpu%bodies%first = bodies%first
         gpu%bodies%last = bodies%last
         gpu%bodies%rim = bodies%rim
         gpu%bodies%room = bodies%room
         gpu%n = n
+        call lay_adders(gpu, err)
     end subroutine note_ranges
 
     !> Number the columns of `state`.

@@ -88,7 +88,7 @@ contains
     !> Totals of body b, or with b = 0 of all bodies. Energy accounts must be up to date. All
     !> processes must call.
     subroutine solid_totals(solid, b, totals)
-        type(solid_t), intent(inout) :: solid
+        type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
         type(solid_totals_t), intent(out) :: totals
         type(error_t) :: err

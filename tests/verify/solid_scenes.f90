@@ -135,7 +135,7 @@ contains
 
     !> What can be said of every scene at its end.
     subroutine finish(s, seen)
-        type(solid_scene_t), intent(inout) :: s
+        type(solid_scene_t), intent(in) :: s
         type(solid_result_t), intent(inout) :: seen
         real(dp) :: scale, now
 
@@ -149,7 +149,7 @@ contains
     end subroutine finish
 
     real(dp) function total(solid)
-        type(solid_t), intent(inout) :: solid
+        type(solid_t), intent(in) :: solid
         type(solid_totals_t) :: t
 
         call solid_totals(solid, 0, t)

@@ -130,6 +130,7 @@ contains
         real(rk) :: own(n_pair), other(n_pair), s(3), r(3), dv(3), dx(3), g(3)
         real(rk) :: w, vr, share, slope
         integer :: a, b, j, k, n, t
+        integer(int32) :: next
         integer(int64) :: at
 
         a = owner_of(lay%bodies, ends, i)
@@ -141,8 +142,8 @@ contains
             own(t) = pair(t, i)
         end do
         call links_of(lay, i, row, slice, count, t, n, at)
-        do k = 0, n - 1
-            call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
+        do k = 1, n
+            call look_ahead(lay, list, at, k, n, i, x, v, next, j, s, r, dv)
             b = next_owner(lay%bodies, ends, j, b)
             if (.not. joins(table(a, b), bond(i) == tie_intact .and. bond(j) == tie_intact)) cycle
             slope = kernel_slope(table(a, b)%scale/lay%depth, table(a, b)%half_over_h, &

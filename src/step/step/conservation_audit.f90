@@ -277,7 +277,7 @@ contains
 
     !> Sums over the particles of each body. All processes must call.
     subroutine sums_of_bodies(solid, sums, err)
-        type(solid_t), intent(inout) :: solid
+        type(solid_t), intent(in) :: solid
         real(dp), intent(out) :: sums(n_sum, size(solid%bodies)) !! see sum_state
         type(error_t), intent(inout) :: err
         real(dp) :: one(n_sum)
