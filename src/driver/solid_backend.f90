@@ -17,9 +17,9 @@ module brz_solid_backend
         gpu_settle_links => settle_links
     use brz_gpu_solid_motion, only: gpu_end_support => end_support
     use brz_gpu_solid_search, only: gpu_build_list => build_list, &
-        gpu_choose_lists => choose_lists, gpu_mean_velocity => mean_velocity, &
+        gpu_choose_lists => choose_lists, gpu_mean_velocities => mean_velocities, &
         gpu_note_positions => note_positions, gpu_renew_places => renew_places, &
-        gpu_sort_body => sort_body
+        gpu_sort_bodies => sort_bodies
     use brz_kinds, only: dp, int64
     use brz_solid_bonds, only: cpu_break_bonds => break_bonds
     use brz_solid_contact, only: cpu_contact_pass => contact_pass, cpu_find_press => find_press
@@ -40,7 +40,7 @@ module brz_solid_backend
     private
     public :: gradient_pass, refresh_rows, break_bonds, refresh_bonds, contact_pass, force_pass
     public :: find_press, end_support, refresh_joined, add_held_impulse
-    public :: build_list, choose_lists, mean_velocity, note_positions, renew_places, sort_body
+    public :: build_list, choose_lists, mean_velocities, note_positions, renew_places, sort_bodies
     public :: build_links, settle_links
     ! what only a GPU needs
     public :: fetch_faults, fetch_limit, note_active, note_boxes, offer_motion, refresh_kept, &
@@ -189,19 +189,23 @@ contains
         end if
     end subroutine build_list
 
-    !> Mean velocity of body b, of all processes.
-    subroutine mean_velocity(solid, b, v, err)
+    !> Mean velocities of some bodies, of all processes.
+    subroutine mean_velocities(solid, which, v, err)
         type(solid_t), intent(inout) :: solid
-        integer, intent(in) :: b
-        real(dp), intent(out) :: v(3) !! [m/s]
+        logical, intent(in) :: which(:) !! (bodies)
+        real(dp), intent(out) :: v(:, :) !! (3, bodies), of others 0 [m/s]
         type(error_t), intent(inout) :: err
+        integer :: b
 
         if (solid%on_gpu) then
-            call gpu_mean_velocity(solid%device, solid, b, v, err)
+            call gpu_mean_velocities(solid%device, solid, which, v, err)
         else
-            call cpu_mean_velocity(solid, b, v)
+            v = 0
+            do b = 1, size(which)
+                if (which(b)) call cpu_mean_velocity(solid, b, v(:, b))
+            end do
         end if
-    end subroutine mean_velocity
+    end subroutine mean_velocities
 
     !> The lists of body b are about to be built for the places of now.
     subroutine note_positions(solid, b, err)
@@ -230,18 +234,21 @@ contains
         end if
     end subroutine renew_places
 
-    !> Bring the particles of body b into the order of the cells at their places.
-    subroutine sort_body(solid, b, err)
+    !> Bring the particles of some bodies into the order of the cells at their places.
+    subroutine sort_bodies(solid, which, err)
         type(solid_t), intent(inout) :: solid
-        integer, intent(in) :: b
+        logical, intent(in) :: which(:) !! (bodies)
         type(error_t), intent(inout) :: err
+        integer :: b
 
         if (solid%on_gpu) then
-            call gpu_sort_body(solid%device, solid, b, err)
+            call gpu_sort_bodies(solid%device, solid, which, err)
         else
-            call cpu_sort_body(solid, b)
+            do b = 1, size(which)
+                if (which(b)) call cpu_sort_body(solid, b)
+            end do
         end if
-    end subroutine sort_body
+    end subroutine sort_bodies
 
     !> Inter-body neighbours for the positions that lists are built for.
     subroutine build_links(solid, err)

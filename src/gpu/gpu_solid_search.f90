@@ -17,7 +17,8 @@ module brz_gpu_solid_search
     use brz_gpu_solid_layout, only: grid_gpu_t
     use brz_gpu_solid_lists, only: lay_lists, move_lists, pick_chosen
     use brz_gpu_solid_state, only: threads_of
-    use brz_solid_device, only: body_device_t, solid_device_t, news_all, news_part
+    use brz_gpu_solid_tiles, only: adders_of
+    use brz_solid_device, only: solid_device_t, news_all, news_part
     use brz_gpu_solid_diagnostics, only: boxes_of_all, find_extents, forget_gone
     use brz_owner_launches, only: owner_kernels
     use brz_kept_cells, only: kept_cells_t
@@ -29,10 +30,9 @@ module brz_gpu_solid_search
     use brz_bodies, only: bodies_t
     use brz_listed_bodies, only: listed_bodies_t
     use brz_solid_part, only: solid_part_t
-    use brz_tallies, only: tally_threads
     implicit none
     private
-    public :: build_list, choose_lists, mean_velocity, note_positions, renew_places, sort_body
+    public :: build_list, choose_lists, mean_velocities, note_positions, renew_places, sort_bodies
 
     integer, parameter :: spare_entries = 8 !! of each list, where lists are built anew in part
 
@@ -64,19 +64,32 @@ contains
         end associate
     end subroutine build_list
 
-    !> Bring the particles of body b, which has no ghosts, into the order of the cells at their
-    !> positions `built`.
-    subroutine sort_body(gpu, solid, b, err)
+    !> Bring the particles of some bodies, which have no ghosts, into the order of the cells at
+    !> their positions `built`; bodies side by side go together.
+    subroutine sort_bodies(gpu, solid, which, err)
         type(solid_device_t), intent(inout) :: gpu
         class(listed_bodies_t), intent(inout) :: solid
-        integer, intent(in) :: b
+        logical, intent(in) :: which(:) !! (bodies)
         type(error_t), intent(inout) :: err
+        integer :: b, first
 
-        call fill_cells(gpu, solid, b, gpu%built, cell_of_groups(solid, b), 0, err)
+        do b = 1, size(which)
+            if (.not. which(b)) cycle
+            call fill_cells(gpu, solid, b, gpu%built, cell_of_groups(solid, b), 0, err)
+        end do
         if (failed(err)) return
-        call reorder(gpu, gpu%bodies(b), err)
-        gpu%bodies(b)%packed = .false.
-    end subroutine sort_body
+        first = 0
+        do b = 1, size(which)
+            if (.not. which(b)) cycle
+            if (first == 0) first = gpu%bodies(b)%first
+            gpu%bodies(b)%packed = .false.
+            if (b < size(which)) then
+                if (which(b + 1) .and. gpu%bodies(b + 1)%first == gpu%bodies(b)%last + 1) cycle
+            end if
+            call reorder(gpu, first, gpu%bodies(b)%last, err)
+            first = 0
+        end do
+    end subroutine sort_bodies
 
     !> Give new places to the particles of body b that have moved far, mark the cells of the old and
     !> the new ones, and count them; then 1 if any are outside the region of their process, and by
@@ -158,30 +171,41 @@ contains
         end associate
     end subroutine choose_lists
 
-    !> Mean velocity of the mass of body b at the step [m/s].
-    subroutine mean_velocity(gpu, solid, b, v, err)
+    !> Mean velocities of the mass of some bodies at the step.
+    subroutine mean_velocities(gpu, solid, which, v, err)
         type(solid_device_t), intent(inout) :: gpu
         class(bodies_t), intent(in) :: solid
-        integer, intent(in) :: b
-        real(dp), intent(out) :: v(3)
+        logical, intent(in) :: which(:) !! (bodies)
+        real(dp), intent(out) :: v(:, :) !! (3, bodies), of others 0 [m/s]
         type(error_t), intent(inout) :: err
-        real(dp) :: lattice, total(4, 1)
-        integer(int64) :: numbers(4)
+        real(dp) :: lattice, per_mass(size(which)), total(4, size(which))
+        integer(int64) :: numbers(4*size(which))
+        type(integers_t) :: tiles
+        integer :: b, threads(3)
 
-        call clear_buffer(gpu%sums_of_forces, err)
-        lattice = solid%materials(solid%bodies(b)%material)%density &
-            *solid%bodies(b)%spacing**solid%dimension*solid%depth
-        associate (body => gpu%bodies(b))
-            call drift_kernels%sum_drift(body%last - body%first + 1, body%first, 4, gpu%stride_d, &
-                real(solid%dt_last/2, rk), 1/lattice, gpu%mass, gpu%motion, &
-                gpu%a, gpu%sums_of_forces, err)
-        end associate
-        call gpu%common%fold(gpu%sums_of_forces, tally_threads, 4, 1, err)
+        do b = 1, size(which)
+            associate (body => solid%bodies(b))
+                lattice = solid%materials(body%material)%density &
+                    *body%spacing**solid%dimension*solid%depth
+                per_mass(b) = 1/lattice
+            end associate
+        end do
+        call gpu%common%ask(per_mass, 8_int64*size(which), 8_int64, err)
+        call adders_of(gpu, 1, size(which), tiles, threads)
+        if (threads(1) > 0) call solid_kernels%solid_mean_drift(threads, gpu%stride_d, tiles, &
+            gpu%adders%sets, real(solid%dt_last/2, rk), doubles_t(gpu%common%asked), gpu%mass, &
+            gpu%motion, gpu%a, gpu%adders%part, err)
+        call gpu%common%fold_sets(gpu%adders%part, gpu%adders%sets, 1, size(which), 4, err)
         call gpu%common%read_sums(1, total, err)
-        numbers = nint(total(:, 1), int64) ! they are whole
+        do b = 1, size(which)
+            if (.not. which(b)) total(:, b) = 0
+        end do
+        numbers = nint(reshape(total, [size(total)]), int64) ! they are whole
         call sum_of_all(solid%ranks, numbers)
-        v = drift_of(real(numbers, dp))
-    end subroutine mean_velocity
+        do b = 1, size(which)
+            v(:, b) = drift_of(real(numbers(4*b - 3:4*b), dp))
+        end do
+    end subroutine mean_velocities
 
     !> Positions that decide on the neighbours: total-Lagrangian bodies that meet no other keep the
     !> unloaded ones.
@@ -317,25 +341,24 @@ contains
         end associate
     end subroutine lay_cells
 
-    !> Bring all arrays of the particles of a body into the order of `order`, by way of `row`.
-    subroutine reorder(gpu, body, err)
+    !> Bring all arrays of the particles first..last into the order of `order`, by way of `row`.
+    subroutine reorder(gpu, first, last, err)
         type(solid_device_t), intent(in) :: gpu
-        type(body_device_t), intent(in) :: body
+        integer, intent(in) :: first, last
         type(error_t), intent(inout) :: err
         type(rows_t) :: room, there
         integer :: c, k, n
 
-        n = body%last - body%first + 1
+        n = last - first + 1
         do k = 1, gpu%n_record
             do c = 1, gpu%record(k)%columns, n_pair
                 there = gpu%record(k)
                 there%columns = min(n_pair, there%columns - c + 1)
                 there%of = from(there%of, (c - 1)*there%stride + 1)
                 room = rows_of(gpu%row, there%words, there%columns, n)
-                call carry_rows(n, there, from(gpu%order, int(body%first, int64)), room, &
+                call carry_rows(n, there, from(gpu%order, int(first, int64)), room, &
                                 gpu%seat, err)
-                call carry_rows(n, room, gpu%seat, there, from(gpu%seat, int(body%first, int64)), &
-                                err)
+                call carry_rows(n, room, gpu%seat, there, from(gpu%seat, int(first, int64)), err)
             end do
         end do
     end subroutine reorder

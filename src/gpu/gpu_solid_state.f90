@@ -32,7 +32,6 @@ module brz_gpu_solid_state
     use brz_listed_bodies, only: listed_bodies_t
     use brz_interacting_bodies, only: interacting_bodies_t
     use brz_solid_state, only: solid_t
-    use brz_tallies, only: tally_threads
     use brz_text, only: to_text
     implicit none
     private
@@ -84,7 +83,6 @@ contains
         gpu%moved = from(gpu%flags, n_flag + 1_int64)
         call allocate_buffer(gpu%region, 48_int64, err)
         call allocate_buffer(gpu%found, 4_int64*size(gpu%bodies), err)
-        call allocate_buffer(gpu%sums_of_forces, 32_int64*tally_threads, err)
         call copy_in(solid%region, gpu%region, 48_int64, err)
     end subroutine open_gpu_solid_memory
 

@@ -118,7 +118,7 @@ module brz_solid_device
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
         type(doubles_t) :: sorted !! positions that lists are built for, cell by cell: order_cells
         type(adders_t) :: adders
-        type(doubles_t) :: place, reference, built, diag, rate, region, sums_of_forces
+        type(doubles_t) :: place, reference, built, diag, rate, region
         type(reals_t) :: motion, state, row, grad, control, axes, extra
         type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
         type(integers_t) :: tag, flags, count, cell, order
