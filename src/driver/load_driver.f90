@@ -72,6 +72,7 @@ contains
         call place_own(solid, err)
         do b = 1, size(solid%bodies)
             associate (there => solid%bodies(b), place => solid%loads%place)
+                if (there%rim == there%last) cycle
                 call for_each_place_particle(solid%on_gpu, there%rim - there%last, &
                     there%last + 1, -1, solid%id, place, err)
             end associate
