@@ -22,12 +22,13 @@ module brz_cut_driver
         for_each_cut_load_particle, for_each_cut_record
     use brz_cut_node_loops, only: for_each_cut_fill_node, for_each_cut_find_ball, &
         for_each_cut_find_distance, for_each_cut_find_largest, for_each_cut_find_thickest, &
-        for_each_cut_see_fill
+        for_each_cut_search_octant, for_each_cut_see_fill
     use brz_cut_shape_loops, only: for_each_cut_close, for_each_cut_open, for_each_cut_shape
     use brz_driven_body_driver, only: put_driven_bodies
     use brz_driven_body_motion, only: foresee_driven_bodies, read_driven_bodies
     use brz_driven_body_rules, only: carries_all, carries_none, n_push
     use brz_errors, only: error_t
+    use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp, rk
     use brz_lists, only: at_least, clear_list, clear_map, count_in_bins, put_in_bins, running_sum, &
         swap
@@ -133,6 +134,9 @@ contains
         call at_least(on_gpu, cells%moment, 3, n, err)
         call at_least(on_gpu, cells%carrier, n, err)
         call at_least(on_gpu, cells%kept, max_var + 1, n, err)
+        call at_least(on_gpu, cells%all_force, 3, n, err)
+        call at_least(on_gpu, cells%gas_load, 3, n, err)
+        call at_least(on_gpu, cells%octants, 8, n, err)
         call at_least(on_gpu, cells%distance, n, err)
         call at_least(on_gpu, cells%thickness, n, err)
         call at_least(on_gpu, cells%ball, n, err)
@@ -172,9 +176,10 @@ contains
         type(error_t), intent(inout) :: err
 
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
-            call for_each_cut_fill_node(g, l%n, nodes, p%wide, p%stride_w, l%cell, l%slot, &
-                l%bin_ends, l%binned, p%x, p%v, p%mass, p%volume, l%fill, l%mass, l%momentum, &
-                l%heaviest, err)
+            call for_each_cut_fill_node(g, 4*l%n, nodes, p%wide, p%stride_w, p%stride_d, &
+                p%stride_p, merge(real(c%dt_before, rk), 0.0_rk, any_moves_freely(p)), l%cell, &
+                l%slot, l%bin_ends, l%binned, p%x, p%v, p%mass, p%volume, p%load, c%v_before, &
+                p%id, l%fill, l%mass, l%heaviest, l%momentum, l%all_force, l%gas_load, err)
             call for_each_cut_see_fill(g, p%n, nodes, p%wide, l%home, l%cell, l%slot, p%x, l%fill, &
                                        l%radius, err)
             call for_each_cut_find_thickest(g, l%n, l%bin_ends, l%binned, l%radius, l%thickness, &
@@ -182,8 +187,9 @@ contains
             call for_each_cut_find_ball(g, p%n, nodes, p%stride_w, l%home, l%cell, l%slot, &
                                         p%volume, l%thickness, l%radius, err)
             call for_each_cut_find_largest(g, l%n, l%bin_ends, l%binned, l%radius, l%ball, err)
-            call for_each_cut_find_distance(g, l%n, nodes, p%wide, l%cell, l%slot, l%bin_ends, &
-                l%binned, p%x, l%radius, l%ball, l%fill, l%distance, err)
+            call for_each_cut_search_octant(g, 8*l%n, nodes, p%wide, l%cell, l%slot, l%bin_ends, &
+                l%binned, p%x, l%radius, l%ball, l%fill, l%octants, err)
+            call for_each_cut_find_distance(g, l%n, l%octants, l%distance, err)
             call for_each_cut_shape(g, l%n, nodes, l%cell, l%place, l%slot, l%distance, l%gas, &
                                     l%middle, l%shut, err)
             call for_each_cut_find_bearing(g, l%n, nodes, l%cell, l%place, l%slot, l%mass, &
@@ -191,6 +197,14 @@ contains
         end associate
         call open_faces(c, 1, err)
     end subroutine find_shapes
+
+    !> Is there a body that is not rigid?
+    pure logical function any_moves_freely(p)
+        class(bodies_t), intent(in) :: p
+
+        any_moves_freely = .true.
+        if (allocated(p%bodies)) any_moves_freely = any(p%bodies%formulation /= form_rigid)
+    end function any_moves_freely
 
     !> Open shares and wall areas of cells that are shut or not.
     subroutine open_faces(c, seal, err)
@@ -318,10 +332,9 @@ contains
                                    l%bearing, l%area, l%middle, l%give, l%impedance, l%moment, err)
             call for_each_cut_bear(g, l%n, nodes, whole, 0.0_rk, l%cell, l%slot, l%mass, &
                                    l%bearing, l%area, l%middle, l%press, l%force, l%moment, err)
-            call for_each_cut_push_node(g, l%n, nodes, p%wide, p%stride_d, p%stride_p, c%bodies, &
-                real(dt, rk), real(c%dt_before, rk), c%driven, l%cell, l%slot, l%bin_ends, &
-                l%binned, p%x, p%v, p%mass, p%load, c%v_before, p%id, p%fixed, l%mass, l%force, &
-                l%impedance, l%momentum, err)
+            call for_each_cut_push_node(g, l%n, nodes, c%bodies, real(dt, rk), c%driven, &
+                p%fixed, l%heaviest, l%mass, l%all_force, l%gas_load, l%force, l%impedance, &
+                l%momentum, err)
         end associate
     end subroutine push_nodes
 

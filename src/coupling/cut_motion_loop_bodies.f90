@@ -7,7 +7,7 @@ module brz_cut_motion_loop_bodies
     use brz_cut_list_loop_bodies, only: entry_at, nodes_around
     use brz_cut_node_loop_bodies, only: tent
     use brz_driven_body_rules, only: add_force, add_yield, carried_velocity, driven_body_at, &
-        driven_body_t, is_carried
+        carries_all, driven_body_t, is_carried
     use brz_gas, only: to_primitive
     use brz_kinds, only: dp, int32, int64, rk
     use brz_load_rules, only: pushed_velocity
@@ -218,66 +218,31 @@ contains
     !> Bring the momentum of a node whose particles move as they like to the middle of the coming
     !> step: they go on as in the last one, changed by what the gas now pushes more (see
     !> pushed_velocity). So solids of less weight than a cell of gas stay stable.
-    !@loop_body if(27*n >= worth_threads) schedule(dynamic, 64)
+    !@loop_body if(n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine cut_push_node(s, nodes, wide, stride_d, stride_p, bodies, dt, dt_before, &
-                                  driven, cell, slot, ends, binned, x, v, mass, load, v_before, &
-                                  id, fixed, node_mass, force, impedance, momentum)
+    pure subroutine cut_push_node(s, nodes, bodies, dt, driven, fixed, heaviest, node_mass, &
+                                  all_force, gas_load, force, impedance, momentum)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
-        integer, intent(in) :: wide, bodies !! rows of x and v, bodies
-        integer, intent(in) :: stride_d, stride_p !! distances in `load` of directions, of particles
-        real(rk), intent(in) :: dt, dt_before !! this and the last step of the air, 0: none [s]
+        integer, intent(in) :: bodies
+        real(rk), intent(in) :: dt !! of the coming step of the air [s]
         type(driven_body_t), intent(in) :: driven(bodies)
-        integer(int32), intent(in) :: cell(*), slot(*), ends(*), binned(*)
-        real(dp), intent(in) :: x(wide, *)
-        real(rk), intent(in) :: v(wide, *), mass(*), load(*)
-        real(rk), intent(in) :: v_before(3, *) !! by the number of a particle, a step ago [m/s]
-        integer(int32), intent(in) :: id(*), fixed(*)
+        integer(int32), intent(in) :: fixed(*)
+        integer(int32), intent(in) :: heaviest(*) !! particle at each node
         real(dp), intent(in) :: node_mass(*)
+        real(rk), intent(in) :: all_force(3, *), gas_load(3, *) !! of the last step [N]
         real(dp), intent(in) :: force(3, *), impedance(3, *) !! of the gas on the node
         real(dp), intent(inout) :: momentum(3, *)
-        real(dp) :: share, y(3)
-        real(rk) :: all_force(3), gas_load(3), speed
-        integer :: b, d, i, ijk(3), j, k, low(3), p, q
+        real(rk) :: speed
+        integer :: d
 
-        if (.not. node_mass(s) > 0) return
-        ijk = cell_at(nodes%n, cell(s))
-        do d = 1, 3
-            all_force(d) = 0
-            gas_load(d) = 0
-            low(d) = merge(ijk(d) - 1, ijk(d), nodes%n(d) > 1)
-        end do
-        do k = low(3), ijk(3)
-            do j = low(2), ijk(2)
-                do i = low(1), ijk(1)
-                    b = entry_at(nodes, i, j, k, slot)
-                    if (b == 0) cycle
-                    do q = ends(b) + 1, ends(b + 1)
-                        p = binned(q)
-                        do d = 1, 3
-                            y(d) = x(d, p)
-                        end do
-                        share = tent(nodes, ijk, y)
-                        if (.not. share > 0) cycle
-                        if (fixed(p) == is_fixed) return
-                        if (is_carried(driven(driven_body_at(bodies, driven, p))%carries, .false.)) &
-                            return
-                        if (.not. dt_before > 0) cycle
-                        do d = 1, 3
-                            gas_load(d) = gas_load(d) + real(share, rk) &
-                                          *load(1 + (d - 1)*stride_d + (p - 1)*stride_p)
-                            all_force(d) = all_force(d) + real(share, rk)*mass(p) &
-                                           *(v(d, p) - v_before(d, id(p)))/dt_before
-                        end do
-                    end do
-                end do
-            end do
-        end do
+        if (heaviest(s) == 0) return
+        if (fixed(heaviest(s)) == is_fixed) return
+        if (driven(driven_body_at(bodies, driven, heaviest(s)))%carries == carries_all) return
         do d = 1, 3
             if (nodes%n(d) == 1) cycle
-            speed = pushed_velocity(real(momentum(d, s)/node_mass(s), rk), all_force(d), &
-                                    real(force(d, s), rk) - gas_load(d), &
+            speed = pushed_velocity(real(momentum(d, s)/node_mass(s), rk), all_force(d, s), &
+                                    real(force(d, s), rk) - gas_load(d, s), &
                                     real(impedance(d, s), rk), real(node_mass(s), rk), dt)
             momentum(d, s) = node_mass(s)*speed
         end do

@@ -13,7 +13,7 @@ module brz_cut_node_loop_bodies
     implicit none
     private
     public :: cut_fill_node, cut_see_fill, cut_find_thickest, cut_find_ball, cut_find_largest, &
-        cut_find_distance
+        cut_find_distance, cut_search_octant
     public :: tent, place_in_cells
 
 contains
@@ -45,68 +45,159 @@ contains
         end do
     end function tent
 
-    !> Fill of a node, mass and momentum of the particles there, and the heaviest of them.
-    !@loop_body if(27*n >= worth_threads) schedule(dynamic, 64)
+    !> What the particles bring to a node by tent weights: fill, mass and the heaviest of them; along
+    !> each direction momentum, the force of all kinds in the last step of the air, and the load of
+    !> the gas in that. Four threads share the work of a node.
+    !@loop_body if(n >= worth_threads) schedule(dynamic, 256)
     !@cuf attributes(host,device) &
-    pure subroutine cut_fill_node(s, nodes, wide, stride_w, cell, slot, ends, binned, x, v, mass, &
-                                  volume, fill, node_mass, momentum, heaviest)
-        integer, intent(in) :: s !! entries
+    pure subroutine cut_fill_node(t, nodes, wide, stride_w, stride_d, stride_p, dt_before, cell, &
+                                  slot, ends, binned, x, v, mass, volume, load, v_before, id, &
+                                  fill, node_mass, heaviest, momentum, all_force, gas_load)
+        integer, intent(in) :: t !! parts of entries
         type(node_grid_t), intent(in) :: nodes
         integer, intent(in) :: wide, stride_w !! rows of x and v; distance of volumes
+        integer, intent(in) :: stride_d, stride_p !! distances in `load` of directions, of particles
+        real(rk), intent(in) :: dt_before !! last step of the air; 0: none, or nobody asks [s]
         integer(int32), intent(in) :: cell(*), slot(*), ends(*), binned(*)
         real(dp), intent(in) :: x(wide, *)
-        real(rk), intent(in) :: v(wide, *), mass(*), volume(*)
+        real(rk), intent(in) :: v(wide, *), mass(*), volume(*), load(*)
+        real(rk), intent(in) :: v_before(3, *) !! by the number of a particle [m/s]
+        integer(int32), intent(in) :: id(*)
         real(rk), intent(inout) :: fill(*)
-        real(dp), intent(inout) :: node_mass(*), momentum(3, *)
+        real(dp), intent(inout) :: node_mass(*)
         integer(int32), intent(inout) :: heaviest(*) !! particle of the most mass there, 0: none
-        real(dp) :: beyond, filled, full, m, most, p(3), weight, y(3)
-        integer :: b, d, i, ijk(3), j, k, low(3), part, q
+        real(dp), intent(inout) :: momentum(3, *)
+        real(rk), intent(inout) :: all_force(3, *), gas_load(3, *) !! [N]
+        integer :: ijk(3), part, s
 
+        s = (t - 1)/4 + 1
+        part = t - 4*(s - 1) - 1
         ijk = cell_at(nodes%n, cell(s))
+        if (part == 0) then
+            call weigh_node(s, nodes, wide, stride_w, ijk, slot, ends, binned, x, mass, volume, &
+                            fill, node_mass, heaviest)
+        else
+            momentum(part, s) = 0
+            all_force(part, s) = 0
+            gas_load(part, s) = 0
+            if (nodes%n(part) > 1) call push_along(part, s, nodes, wide, stride_d, stride_p, &
+                dt_before, ijk, slot, ends, binned, x, v, mass, load, v_before, id, &
+                momentum(part, s), all_force(part, s), gas_load(part, s))
+        end if
+    end subroutine cut_fill_node
+
+    !> Fill of a node, mass of the particles there, and the heaviest of them.
+    !@cuf attributes(host,device) &
+    pure subroutine weigh_node(s, nodes, wide, stride_w, ijk, slot, ends, binned, x, mass, volume, &
+                               fill, node_mass, heaviest)
+        integer, intent(in) :: s !! entry
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: wide, stride_w !! rows of x; distance of volumes
+        integer, intent(in) :: ijk(3) !! node
+        integer(int32), intent(in) :: slot(*), ends(*), binned(*)
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: mass(*), volume(*)
+        real(rk), intent(inout) :: fill(*)
+        real(dp), intent(inout) :: node_mass(*)
+        integer(int32), intent(inout) :: heaviest(*)
+        real(dp) :: beyond, filled, full, m, most, weight, y(3)
+        integer :: b, c, d, p, q
+
         full = 0
         beyond = 0
         m = 0
         most = 0
         heaviest(s) = 0
-        do d = 1, 3
-            p(d) = 0
-            low(d) = merge(ijk(d) - 1, ijk(d), nodes%n(d) > 1)
-        end do
-        do k = low(3), ijk(3)
-            do j = low(2), ijk(2)
-                do i = low(1), ijk(1)
-                    b = entry_at(nodes, i, j, k, slot)
-                    if (b == 0) cycle
-                    do q = ends(b) + 1, ends(b + 1)
-                        part = binned(q)
-                        do d = 1, 3
-                            y(d) = x(d, part)
-                        end do
-                        weight = tent(nodes, ijk, y)
-                        filled = volume(1 + (part - 1)*stride_w)*weight
-                        full = full + filled
-                        if (is_beyond(nodes, y)) beyond = beyond + filled
-                        m = m + mass(part)*weight
-                        if (mass(part)*weight > most) then
-                            most = mass(part)*weight
-                            heaviest(s) = part
-                        end if
-                        do d = 1, 3
-                            p(d) = p(d) + mass(part)*weight*v(d, part)
-                        end do
-                    end do
+        do c = 0, 7
+            b = cell_below(nodes, ijk, c, slot)
+            if (b == 0) cycle
+            do q = ends(b) + 1, ends(b + 1)
+                p = binned(q)
+                do d = 1, 3
+                    y(d) = x(d, p)
                 end do
+                weight = tent(nodes, ijk, y)
+                filled = volume(1 + (p - 1)*stride_w)*weight
+                full = full + filled
+                if (is_beyond(nodes, y)) beyond = beyond + filled
+                m = m + mass(p)*weight
+                if (mass(p)*weight > most) then
+                    most = mass(p)*weight
+                    heaviest(s) = p
+                end if
             end do
         end do
         full = full/nodes%volume
         do d = 1, 3
-            momentum(d, s) = p(d)
             if (nodes%n(d) == 1 .or. beyond > 0) cycle
             if (ijk(d) == 1 .or. ijk(d) == nodes%n(d)) full = 2*full
         end do
         fill(s) = real(full, rk)
         node_mass(s) = m
-    end subroutine cut_fill_node
+    end subroutine weigh_node
+
+    !> Momentum and forces along a direction of the particles at a node.
+    !@cuf attributes(host,device) &
+    pure subroutine push_along(d, s, nodes, wide, stride_d, stride_p, dt_before, ijk, slot, ends, &
+                               binned, x, v, mass, load, v_before, id, momentum, all_force, &
+                               gas_load)
+        integer, intent(in) :: d, s !! direction, entry
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: wide, stride_d, stride_p
+        real(rk), intent(in) :: dt_before
+        integer, intent(in) :: ijk(3) !! node
+        integer(int32), intent(in) :: slot(*), ends(*), binned(*)
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: v(wide, *), mass(*), load(*), v_before(3, *)
+        integer(int32), intent(in) :: id(*)
+        real(dp), intent(inout) :: momentum
+        real(rk), intent(inout) :: all_force, gas_load
+        real(dp) :: sums(3), weight, y(3)
+        integer :: b, c, e, p, q
+
+        sums(1) = 0
+        sums(2) = 0
+        sums(3) = 0
+        do c = 0, 7
+            b = cell_below(nodes, ijk, c, slot)
+            if (b == 0) cycle
+            do q = ends(b) + 1, ends(b + 1)
+                p = binned(q)
+                do e = 1, 3
+                    y(e) = x(e, p)
+                end do
+                weight = tent(nodes, ijk, y)
+                sums(1) = sums(1) + mass(p)*weight*v(d, p)
+                if (.not. dt_before > 0) cycle
+                sums(2) = sums(2) + mass(p)*weight*(v(d, p) - v_before(d, id(p)))
+                sums(3) = sums(3) + weight*load(1 + (d - 1)*stride_d + (p - 1)*stride_p)
+            end do
+        end do
+        momentum = sums(1)
+        if (dt_before > 0) all_force = real(sums(2)/dt_before, rk)
+        gas_load = real(sums(3), rk)
+    end subroutine push_along
+
+    !> Entry of one of the eight cells about a node, the lowest first; 0 where there is none.
+    !@cuf attributes(host,device) &
+    pure function cell_below(nodes, ijk, c, slot) result(b)
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: ijk(3) !! node
+        integer, intent(in) :: c !! 0 to 7: a bit for each direction
+        integer(int32), intent(in) :: slot(*)
+        integer :: b, d, to(3)
+
+        b = 0
+        do d = 1, 3
+            to(d) = ijk(d)
+            if (nodes%n(d) == 1) then
+                if (iand(c, 2**(d - 1)) /= 0) return
+            else
+                to(d) = ijk(d) - 1 + merge(1, 0, iand(c, 2**(d - 1)) /= 0)
+            end if
+        end do
+        b = entry_at(nodes, to(1), to(2), to(3), slot)
+    end function cell_below
 
     !> True for a place outside the box.
     !@cuf attributes(host,device) &
@@ -227,42 +318,88 @@ contains
         ball(s) = largest_in(s, ends, binned, radius)
     end subroutine cut_find_largest
 
-    !> Signed distance of a node to the wall: that of its fill, or to the nearest ball.
-    !@loop_body if(27*n >= worth_threads) schedule(dynamic, 64)
+    !> Distance of a node to the nearest ball in one octant about it, as far as two cells: eight
+    !> threads share the work of a node. A cell that cannot hold a nearer one is passed over.
+    !@loop_body if(n >= worth_threads) schedule(dynamic, 512)
     !@cuf attributes(host,device) &
-    pure subroutine cut_find_distance(s, nodes, wide, cell, slot, ends, binned, x, radius, ball, &
-                                      fill, distance)
-        integer, intent(in) :: s !! entries
+    pure subroutine cut_search_octant(t, nodes, wide, cell, slot, ends, binned, x, radius, ball, &
+                                      fill, octants)
+        integer, intent(in) :: t !! octants of entries
         type(node_grid_t), intent(in) :: nodes
         integer, intent(in) :: wide !! rows of x
         integer(int32), intent(in) :: cell(*), slot(*), ends(*), binned(*)
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: radius(*), ball(*), fill(*)
-        real(rk), intent(inout) :: distance(*)
-        real(dp) :: square
-        integer :: b, d, high(3), i, ijk(3), j, k, low(3), part, q
+        real(rk), intent(inout) :: octants(8, *) !! least distance to a ball, or that of the fill
+        real(rk) :: least
+        integer :: b, c, d, far, ijk(3), o, s, to(3)
+        logical :: here
 
-        distance(s) = distance_of_fill(fill(s))
+        s = (t - 1)/8 + 1
+        o = t - 8*(s - 1) - 1
+        least = distance_of_fill(fill(s))
         ijk = cell_at(nodes%n, cell(s))
-        call nodes_around(nodes, ijk, 2, 1, low, high)
-        do k = low(3), high(3)
-            do j = low(2), high(2)
-                do i = low(1), high(1)
-                    b = entry_at(nodes, i, j, k, slot)
-                    if (b == 0) cycle
-                    if (.not. ball(b) > 0) cycle
-                    do q = ends(b) + 1, ends(b + 1)
-                        part = binned(q)
-                        if (.not. radius(part) > 0) cycle
-                        square = 0
-                        do d = 1, 3
-                            if (nodes%n(d) > 1) square = square &
-                                + (place_in_cells(nodes, d, x(d, part)) - (ijk(d) - 1))**2
-                        end do
-                        distance(s) = min(distance(s), real(sqrt(square), rk) - radius(part))
-                    end do
-                end do
+        do c = 0, 7
+            far = 0
+            here = .true.
+            do d = 1, 3
+                to(d) = ijk(d)
+                if (nodes%n(d) == 1) then
+                    here = here .and. iand(ior(o, c), 2**(d - 1)) == 0
+                    cycle
+                end if
+                if (iand(c, 2**(d - 1)) /= 0) far = far + 1
+                to(d) = ijk(d) + merge(merge(1, 0, iand(c, 2**(d - 1)) /= 0), &
+                                       merge(-2, -1, iand(c, 2**(d - 1)) /= 0), &
+                                       iand(o, 2**(d - 1)) /= 0)
             end do
+            if (.not. here) cycle
+            b = entry_at(nodes, to(1), to(2), to(3), slot)
+            if (b == 0) cycle
+            if (.not. ball(b) > 0 .or. sqrt(real(far, rk)) - ball(b) > least) cycle
+            call find_nearest(nodes, wide, ijk, ends(b) + 1, ends(b + 1), binned, x, radius, least)
+        end do
+        octants(o + 1, s) = least
+    end subroutine cut_search_octant
+
+    !> Least distance of a node to the balls of some particles.
+    !@cuf attributes(host,device) &
+    pure subroutine find_nearest(nodes, wide, ijk, first, last, binned, x, radius, least)
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: wide !! rows of x
+        integer, intent(in) :: ijk(3) !! node
+        integer, intent(in) :: first, last !! of the particles in `binned`
+        integer(int32), intent(in) :: binned(*)
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: radius(*)
+        real(rk), intent(inout) :: least
+        real(dp) :: square
+        integer :: d, part, q
+
+        do q = first, last
+            part = binned(q)
+            if (.not. radius(part) > 0) cycle
+            square = 0
+            do d = 1, 3
+                if (nodes%n(d) > 1) square = square &
+                    + (place_in_cells(nodes, d, x(d, part)) - (ijk(d) - 1))**2
+            end do
+            least = min(least, real(sqrt(square), rk) - radius(part))
+        end do
+    end subroutine find_nearest
+
+    !> Signed distance of a node to the wall: the least of its octants.
+    !@loop_body if(n >= worth_threads) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine cut_find_distance(s, octants, distance)
+        integer, intent(in) :: s !! entries
+        real(rk), intent(in) :: octants(8, *)
+        real(rk), intent(inout) :: distance(*)
+        integer :: o
+
+        distance(s) = octants(1, s)
+        do o = 2, 8
+            distance(s) = min(distance(s), octants(o, s))
         end do
     end subroutine cut_find_distance
 end module brz_cut_node_loop_bodies

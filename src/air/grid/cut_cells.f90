@@ -50,6 +50,9 @@ module brz_cut_cells
         real(rk), allocatable :: fill(:) !! (n) share of volume that particles fill
         real(dp), allocatable :: mass(:) !! (n) of the particles near it, by tent weights [kg]
         real(dp), allocatable :: momentum(:, :) !! (3, n) likewise [kg m/s]
+        real(rk), allocatable :: all_force(:, :) !! (3, n) on the particles in the last step [N]
+        real(rk), allocatable :: gas_load(:, :) !! (3, n) of the gas among it [N]
+        real(rk), allocatable :: octants(:, :) !! (8, n) distance by octants about the node
         real(rk), allocatable :: distance(:) !! (n) signed distance to the wall, + in the gas
         real(rk), allocatable :: thickness(:) !! (n) largest interpolated fill in the cell
         real(rk), allocatable :: ball(:) !! (n) largest radius of a ball of a thin part in the cell
