@@ -11,6 +11,8 @@ module brz_cut_driver
     use brz_cut_cells, only: cut_cells_t
     use brz_cut_cluster_loops, only: for_each_cut_adopt, for_each_cut_follow, &
         for_each_cut_mean_state, for_each_cut_point, for_each_cut_weigh
+    use brz_cut_curvature_loops, only: for_each_cut_find_normal, for_each_cut_find_sag, &
+        for_each_cut_smooth_fill
     use brz_cut_motion_loops, only: for_each_cut_find_carrier, for_each_cut_find_push, &
         for_each_cut_push_node, for_each_cut_sum_load, &
         for_each_cut_sum_push, for_each_cut_sweep, for_each_cut_tame, for_each_cut_wall_velocity
@@ -136,6 +138,10 @@ contains
         call at_least(on_gpu, cells%kept, max_var + 1, n, err)
         call at_least(on_gpu, cells%all_force, 3, n, err)
         call at_least(on_gpu, cells%gas_load, 3, n, err)
+        call at_least(on_gpu, cells%smooth, n, err)
+        call at_least(on_gpu, cells%next_smooth, n, err)
+        call at_least(on_gpu, cells%normal, 3, n, err)
+        call at_least(on_gpu, cells%sag, n, err)
         call at_least(on_gpu, cells%octants, 8, n, err)
         call at_least(on_gpu, cells%distance, n, err)
         call at_least(on_gpu, cells%thickness, n, err)
@@ -187,8 +193,9 @@ contains
             call for_each_cut_find_ball(g, p%n, nodes, p%stride_w, l%home, l%cell, l%slot, &
                                         p%volume, l%thickness, l%radius, err)
             call for_each_cut_find_largest(g, l%n, l%bin_ends, l%binned, l%radius, l%ball, err)
+            call find_sags(g, l, err)
             call for_each_cut_search_octant(g, 8*l%n, nodes, p%wide, l%cell, l%slot, l%bin_ends, &
-                l%binned, p%x, l%radius, l%ball, l%fill, l%octants, err)
+                l%binned, p%x, l%radius, l%ball, l%fill, l%sag, l%octants, err)
             call for_each_cut_find_distance(g, l%n, l%octants, l%distance, err)
             call for_each_cut_shape(g, l%n, nodes, l%cell, l%place, l%slot, l%distance, l%gas, &
                                     l%middle, l%shut, err)
@@ -197,6 +204,22 @@ contains
         end associate
         call open_faces(c, 1, err)
     end subroutine find_shapes
+
+    !> How far facets lie inside curved walls, from the fill of the nodes.
+    subroutine find_sags(on_gpu, l, err)
+        logical, intent(in) :: on_gpu
+        type(cut_cells_t), intent(inout) :: l
+        type(error_t), intent(inout) :: err
+
+        call for_each_cut_smooth_fill(on_gpu, l%n, l%nodes, 1, l%cell, l%slot, l%fill, l%smooth, &
+                                      err)
+        call for_each_cut_smooth_fill(on_gpu, l%n, l%nodes, 2, l%cell, l%slot, l%smooth, &
+                                      l%next_smooth, err)
+        call for_each_cut_smooth_fill(on_gpu, l%n, l%nodes, 3, l%cell, l%slot, l%next_smooth, &
+                                      l%smooth, err)
+        call for_each_cut_find_normal(on_gpu, l%n, l%nodes, l%cell, l%slot, l%smooth, l%normal, err)
+        call for_each_cut_find_sag(on_gpu, l%n, l%nodes, l%cell, l%slot, l%normal, l%sag, err)
+    end subroutine find_sags
 
     !> Is there a body that is not rigid?
     pure logical function any_moves_freely(p)

@@ -323,13 +323,13 @@ contains
     !@loop_body if(n >= worth_threads) schedule(dynamic, 512)
     !@cuf attributes(host,device) &
     pure subroutine cut_search_octant(t, nodes, wide, cell, slot, ends, binned, x, radius, ball, &
-                                      fill, octants)
+                                      fill, sag, octants)
         integer, intent(in) :: t !! octants of entries
         type(node_grid_t), intent(in) :: nodes
         integer, intent(in) :: wide !! rows of x
         integer(int32), intent(in) :: cell(*), slot(*), ends(*), binned(*)
         real(dp), intent(in) :: x(wide, *)
-        real(rk), intent(in) :: radius(*), ball(*), fill(*)
+        real(rk), intent(in) :: radius(*), ball(*), fill(*), sag(*)
         real(rk), intent(inout) :: octants(8, *) !! least distance to a ball, or that of the fill
         real(rk) :: least
         integer :: b, c, d, far, ijk(3), o, s, to(3)
@@ -337,7 +337,7 @@ contains
 
         s = (t - 1)/8 + 1
         o = t - 8*(s - 1) - 1
-        least = distance_of_fill(fill(s))
+        least = distance_of_fill(fill(s)) - sag(s)
         ijk = cell_at(nodes%n, cell(s))
         do c = 0, 7
             far = 0

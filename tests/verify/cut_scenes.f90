@@ -8,7 +8,7 @@ module cut_scenes
     use brz_kinds, only: dp, rk
     use brz_particle_marks, only: is_fixed
     use brz_scheme, only: hllc, muscl_cells
-    use coupling_tools, only: box_scene_t, c0, fill, move, open_box, p0, put_body, rho0
+    use coupling_tools, only: box_scene_t, c0, fill, gamma, move, open_box, p0, put_body, rho0
     use shared_steps, only: air_step, reclassify, set_wall_velocity, spread_load
     implicit none
     private
@@ -208,10 +208,11 @@ contains
     end function cut_of
 
     !> Drag coefficient of a cylinder held in a stream of Mach 3, half of it.
-    function drag_of_cylinder(cells, shift) result(drag)
+    function drag_of_cylinder(cells, shift, gap) result(drag)
         integer, intent(in) :: cells !! per diameter
         real(dp), intent(in) :: shift !! of the middle
-        real(dp) :: drag
+        real(dp), intent(out), optional :: gap !! between bow shock and cylinder, over its radius
+        real(dp) :: drag, radius
         type(box_scene_t) :: scene
 
         call open_tunnel(scene, [7*cells/2, 5*cells/2, 1], tunnel())
@@ -219,7 +220,31 @@ contains
         call hold(scene, ball(2, [1.5_dp*cells + shift, 0.0_dp, 0.0_dp], 0.5_dp*cells, 0.5_dp), &
                   0.5_dp)
         drag = 2*pushed(scene, cells)/(0.5_dp*rho0*(mach_stream*c0)**2*cells)
+        if (.not. present(gap)) return
+        ! of the circle of the particles' area
+        radius = sqrt(sum(real(scene%solid%volume, dp))/acos(-1.0_dp))
+        gap = (1.5_dp*cells + shift - radius - bow_shock(scene))/radius
     end function drag_of_cylinder
+
+    !> Place of the bow shock on the axis, where the pressure is half of that behind a plane shock.
+    function bow_shock(scene) result(x)
+        type(box_scene_t), intent(in) :: scene
+        real(dp) :: x
+        real(dp), parameter :: half = p0*(1 + (2*gamma*mach_stream**2 - (gamma - 1))/(gamma + 1))/2
+        real(dp) :: before, p
+        integer :: i
+
+        before = p0
+        do i = 1, scene%air%n(1)
+            associate (u => scene%air%u(i, 1, 1, :))
+                p = (gamma - 1)*(u(5) - (u(2)**2 + u(3)**2 + u(4)**2)/(2*u(1)))
+            end associate
+            x = i - 0.5_dp
+            if (p > half) exit
+            before = p
+        end do
+        x = x - (p - half)/(p - before)
+    end function bow_shock
 
     !> The same of a sphere, a quarter of it.
     function drag_of_sphere(cells) result(drag)

@@ -52,6 +52,9 @@ module brz_cut_cells
         real(dp), allocatable :: momentum(:, :) !! (3, n) likewise [kg m/s]
         real(rk), allocatable :: all_force(:, :) !! (3, n) on the particles in the last step [N]
         real(rk), allocatable :: gas_load(:, :) !! (3, n) of the gas among it [N]
+        real(rk), allocatable :: smooth(:), next_smooth(:) !! (n) fill, smoothed
+        real(rk), allocatable :: normal(:, :) !! (3, n) of it, out of the solid
+        real(rk), allocatable :: sag(:) !! (n) of facets below a curved wall
         real(rk), allocatable :: octants(:, :) !! (8, n) distance by octants about the node
         real(rk), allocatable :: distance(:) !! (n) signed distance to the wall, + in the gas
         real(rk), allocatable :: thickness(:) !! (n) largest interpolated fill in the cell
