@@ -10,6 +10,7 @@ module brz_check
     use brz_case, only: body_case_t, case_t
     use brz_body_geometries, only: body_box
     use brz_print_interactions, only: print_interactions
+    use brz_print_walls, only: print_wall
     use brz_cohesive_setup, only: interface_name, zone_over_spacing
     use brz_conservation_audit, only: cohesive_totals
     use brz_crack_band, only: crack_report
@@ -351,6 +352,7 @@ contains
                 case%bodies(b)%n_plies, ' plies of ', &
                 layers_of(case%bodies(b))/case%bodies(b)%n_plies, ' layers of particles'
         end associate
+        if (case%coupling%present) call print_wall(case, b)
     end subroutine print_settings
 
     !> Layers of particles across the plies of a body.

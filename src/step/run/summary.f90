@@ -5,6 +5,7 @@ module brz_summary
     use brz_boxes, only: cells_of
     use brz_cohesive_setup, only: interface_name
     use brz_conservation_audit, only: cohesive_totals
+    use brz_cut_cells, only: cut_cells_t
     use brz_errors, only: error_t, failed
     use brz_host_calls, only: counting, print_calls
     use brz_kernel_profile, only: print_profile, profiling
@@ -49,6 +50,7 @@ contains
             write (output_unit, '(a, es10.2)') 'mass error     ', audit%mass_error
             write (output_unit, '(a, es10.2)') 'momentum error ', audit%momentum_error
             write (output_unit, '(a, i0)') 'fallback faces  ', nint(audit%fallback_faces, int64)
+            if (sim%coupling%wall%cells%present) call print_cut_cells(sim%coupling%wall%cells)
             if (audit%limited_cells > 0) write (output_unit, '(a, i0)') 'limited cells   ', &
                 nint(audit%limited_cells, int64)
         end if
@@ -64,6 +66,15 @@ contains
         if (several(sim%ranks)) call print_share(sim)
         call say('results    '//outputs%folder)
     end subroutine print_summary
+
+    !> What cut cells met that a rigid body never makes.
+    subroutine print_cut_cells(cells)
+        type(cut_cells_t), intent(in) :: cells
+
+        write (output_unit, '(4(a, i0))') 'cut cells       ', cells%n, ' listed; so far ', &
+            cells%slowed, ' walls slowed, ', cells%pockets, ' pockets shut, ', cells%absorbed, &
+            ' cells that took their volume as it is'
+    end subroutine print_cut_cells
 
     !> Bodies that were compressed beyond the range of their materials.
     subroutine print_clamped(sim)
