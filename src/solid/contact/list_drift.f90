@@ -22,7 +22,7 @@ module brz_list_drift
     use brz_interaction, only: law_none
     use brz_kept_cells, only: kept_cells_t
     use brz_kinds, only: dp, int64
-    use brz_skin_level, only: skin_levels, renewed_level
+    use brz_skin_level, only: joining_level, renewed_level, skin_levels
     use brz_solid_mirror, only: signs
     use brz_bodies, only: bodies_t
     use brz_listed_bodies, only: listed_bodies_t
@@ -56,43 +56,65 @@ contains
         end do
     end subroutine drift_bodies
 
-    !> Which lists must be built anew, and whether the links must. A body that spends half of what
-    !> its links may move is built anew with them; where particles leave the scene, all are.
+    !> Which lists must be built anew, and whether the links must. Many lists, and the links with
+    !> them, take little longer than one: bodies that have spent most of what they may move join
+    !> others, unless they sleep. Where particles leave the scene, all do.
     pure subroutine find_stale(solid, level, stale, relink)
         class(listed_bodies_t), intent(inout) :: solid !! links%stale is set
         integer, intent(in) :: level(:) !! (bodies) highest level of a particle
         logical, intent(out) :: stale(:) !! (bodies)
         logical, intent(out) :: relink !! else links%stale means nothing
         real(dp) :: beyond(size(solid%bodies)), drift(size(solid%bodies), 3)
-        real(dp) :: moved(size(solid%bodies)), most
-        integer :: a, b
+        logical :: join(size(solid%bodies)), links_join
+        integer :: b
 
-        stale = level >= skin_levels
-        relink = .false.
-        if (solid%links%present) then
-            most = solid%skin*(1 + epsilon(most))
-            do b = 1, size(solid%bodies)
-                drift(b, :) = solid%bodies(b)%drift
-                moved(b) = merge(0.0_dp, (level(b) + 1)*level_unit(solid), solid%bodies(b)%inactive)
-            end do
-            do b = 1, size(solid%bodies)
-                call look_beyond(solid, drift, b, beyond(:b))
-                do a = 1, b ! the table of laws is large: it is asked last
-                    if (moved(a) + moved(b) + beyond(a) <= most) cycle ! their links are complete
-                    if (solid%links%table(a, b)%law == law_none) cycle
-                    relink = .true.
-                    if (level(a) >= renewed_level) stale(a) = .true.
-                    if (level(b) >= renewed_level) stale(b) = .true.
-                end do
-            end do
-            relink = relink .or. any(stale)
-            do b = 1, merge(size(solid%bodies), 0, relink)
-                call look_beyond(solid, drift, b, beyond)
-                solid%links%stale(:, b) = beyond > solid%skin/4
-            end do
+        do b = 1, size(solid%bodies)
+            drift(b, :) = solid%bodies(b)%drift
+        end do
+        call find_spent(solid, level, drift, skin_levels, stale, relink)
+        if (any(stale) .or. relink) then
+            call find_spent(solid, merge(-1, level, stale .or. solid%bodies%inactive), drift, &
+                            joining_level, join, links_join)
+            stale = stale .or. join
         end if
+        do b = 1, merge(size(solid%bodies), 0, relink)
+            call look_beyond(solid, drift, b, beyond)
+            solid%links%stale(:, b) = beyond > solid%skin/4
+        end do
         if (solid%remove .and. (any(stale) .or. relink)) stale = .true.
     end subroutine find_stale
+
+    !> Which lists, and whether some links, have spent what they may move, or as much of it as a
+    !> level says. A body that spends half of what its links may is built anew with them.
+    pure subroutine find_spent(solid, level, drift, due, stale, relink)
+        class(listed_bodies_t), intent(in) :: solid
+        integer, intent(in) :: level(:) !! (bodies) see find_stale; -1: has not moved
+        real(dp), intent(in), contiguous :: drift(:, :) !! (bodies, 3) since their lists [m]
+        integer, intent(in) :: due !! level at which a list is spent
+        logical, intent(out) :: stale(:) !! (bodies)
+        logical, intent(out) :: relink
+        real(dp) :: beyond(size(solid%bodies)), moved(size(solid%bodies)), most
+        integer :: a, b
+
+        stale = level >= due
+        relink = .false.
+        if (.not. solid%links%present) return
+        most = solid%skin*due/skin_levels*(1 + epsilon(most))
+        do b = 1, size(solid%bodies)
+            moved(b) = merge(0.0_dp, (level(b) + 1)*level_unit(solid), solid%bodies(b)%inactive)
+        end do
+        do b = 1, size(solid%bodies)
+            call look_beyond(solid, drift, b, beyond(:b))
+            do a = 1, b ! the table of laws is large: it is asked last
+                if (moved(a) + moved(b) + beyond(a) <= most) cycle ! their links are complete
+                if (solid%links%table(a, b)%law == law_none) cycle
+                relink = .true.
+                if (level(a) >= renewed_level) stale(a) = .true.
+                if (level(b) >= renewed_level) stale(b) = .true.
+            end do
+        end do
+        relink = relink .or. any(stale)
+    end subroutine find_spent
 
     !> How far the first bodies have drifted against body b since they were linked, beyond what they
     !> were further apart than links reach [m].

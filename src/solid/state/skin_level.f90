@@ -8,11 +8,12 @@ module brz_skin_level
     use brz_kinds, only: dp
     implicit none
     private
-    public :: skin_levels, renewed_level, lost_level, level_of
+    public :: skin_levels, renewed_level, joining_level, lost_level, level_of
 
     integer, parameter :: skin_levels = 8
     integer, parameter :: lost_level = skin_levels + 1
     integer, parameter :: renewed_level = skin_levels/2 !! from which a particle gets a new place
+    integer, parameter :: joining_level = 3*skin_levels/4 !! from which a list is built with others
 
 contains
 
