@@ -103,7 +103,7 @@ contains
         do b = 1, size(solid%bodies)
             moved(b) = merge(0.0_dp, (level(b) + 1)*level_unit(solid), solid%bodies(b)%inactive)
         end do
-        do b = 1, size(solid%bodies)
+        do b = 1, merge(0, size(solid%bodies), all_complete(solid, drift, maxval(moved), most))
             call look_beyond(solid, drift, b, beyond(:b))
             do a = 1, b ! the table of laws is large: it is asked last
                 if (moved(a) + moved(b) + beyond(a) <= most) cycle ! their links are complete
@@ -115,6 +115,18 @@ contains
         end do
         relink = relink .or. any(stale)
     end subroutine find_spent
+
+    !> True where no two bodies can have moved so far that their links have been spent, of whichever
+    !> directions: there are many pairs of bodies to look at.
+    pure logical function all_complete(solid, drift, moved, most)
+        class(listed_bodies_t), intent(in) :: solid
+        real(dp), intent(in), contiguous :: drift(:, :) !! (bodies, 3) since their lists [m]
+        real(dp), intent(in) :: moved, most !! by particles of a body; of two and their drift [m]
+        real(dp) :: drifted
+
+        drifted = sqrt(maxval(drift(:, 1)**2 + drift(:, 2)**2 + drift(:, 3)**2))
+        all_complete = 2*(moved + drifted) + solid%links%drifted <= most
+    end function all_complete
 
     !> How far the first bodies have drifted against body b since they were linked, beyond what they
     !> were further apart than links reach [m].
@@ -205,6 +217,7 @@ contains
                     links%spare(a, b) = spare
                 end do
             end do
+            links%drifted = sqrt(maxval(sum(links%drift**2, 1)))
         end associate
     end subroutine begin_links
 

@@ -17,6 +17,7 @@ module brz_links
         logical, allocatable :: met(:, :) !! (bodies, bodies) some particles of both have links
         real(dp), allocatable :: drift(:, :, :) !! (3, bodies, bodies) what the first had drifted
                                                 !! beyond the second when links were built [m]
+        real(dp) :: drifted = 0 !! the longest of these [m]
         real(dp), allocatable :: spare(:, :) !! (bodies, bodies) what they were further apart than
                                              !! links reach [m]
         logical, allocatable :: stale(:, :) !! (bodies, bodies) both are about to be linked anew
