@@ -6,7 +6,7 @@ module brz_solid_bonds
     use brz_force_layout, only: at_drag, at_heat, n_terms
     use brz_formulation_names, only: form_rigid
     use brz_hold_layout, only: n_control
-    use brz_kinds, only: dp, real32, rk
+    use brz_kinds, only: dp, int32, real32, rk
     use brz_moment_layout, only: n_moments
     use brz_pair_layout, only: pair_tilt
     use brz_listed_bodies, only: listed_bodies_t
@@ -24,10 +24,13 @@ contains
         class(listed_bodies_t), intent(in) :: solid
         integer, intent(in) :: i
         real(rk), intent(inout) :: sums(n_moments)
+        integer(int32) :: found, none(1)
 
+        none = 0
         associate (s => solid, l => solid%links)
             call sum_bonds(i, l%lay, s%pair(pair_tilt, i), l%ends, l%table, s%x, s%x_ref, s%v, &
-                           s%volume, s%mass, l%bond, l%row, l%slice(1:), l%count(1:), l%list, sums)
+                           s%volume, s%mass, l%bond, l%row, l%slice(1:), l%count(1:), l%list, &
+                           .false., found, none, sums)
         end associate
     end subroutine add_bonded_gradients
 

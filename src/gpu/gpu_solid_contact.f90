@@ -36,7 +36,7 @@ contains
             call solid_kernels%solid_bond_moments([l%n_linked, 1, 1], gpu%stride_d, l%n_linked, &
                 l%linked, l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%volume, &
                 gpu%mass, l%bond, l%slice, l%count, l%list, gpu%row, gpu%grad, gpu%k_axes, &
-                gpu%control, err)
+                gpu%control, l%acting, l%near, err)
         end associate
     end subroutine add_bond_moments
 
@@ -78,6 +78,8 @@ contains
             associate (active => l%active(:, :count(l%active(1, :) > 0)))
                 call list_marked(gpu, links_that_touch(gpu), active, l%touching, l%n_touching, err)
                 if (.not. gpu%bonded) return
+                call reserve_buffer(l%acting, 4_int64*gpu%n, err)
+                call reserve_buffer(l%near, l%list%bytes, err)
                 call reserve_buffer(l%mark, 4_int64*gpu%n, err)
                 call clear_buffer(l%mark, err)
                 do k = 1, size(active, 2)
@@ -161,7 +163,7 @@ contains
             if (solid%links%faces) call refresh_rows(gpu, solid, err) ! with what faces bring
             if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%stride_d, &
                 l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%k_axes, &
-                gpu%control, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
+                gpu%control, l%bond, l%row, l%slice, l%acting, l%near, gpu%extra, err)
             if (cohesive%present) call cohesive_kernels%add_pull(cohesive%nodes, gpu%stride_d, &
                 integers_t(address=on_device(cohesive%place)), &
                 doubles_t(address=on_device(cohesive%push(:, 1:))), gpu%extra, err)

@@ -27,10 +27,11 @@ module brz_bond_loop_bodies
 
 contains
 
-    !> Add the bonded partners of particle i to its moments and gradients (see pass 1).
+    !> Add the bonded partners of particle i to its moments and gradients (see pass 1). Those within
+    !> the support may be kept for pass 2, as lists reach a skin further; they lie as the list does.
     !@cuf attributes(host,device) &
     pure subroutine sum_bonds(i, lay, tilt, ends, table, x, x_ref, v, volume, mass, bond, row, &
-                              slice, count, list, sums)
+                              slice, count, list, keeps, found, near, sums)
         integer, intent(in) :: i
         type(link_layout_t), intent(in) :: lay
         real(rk), intent(in) :: tilt !! [1/m]
@@ -39,12 +40,16 @@ contains
         real(dp), intent(in) :: x(lay%wide, *), x_ref(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), volume(lay%step_v, *), mass(*)
         integer(int32), intent(in) :: bond(*), row(*), slice(*), count(*), list(*)
+        logical, intent(in) :: keeps !! else `near` is not touched
+        integer(int32), intent(out) :: found !! how many are kept
+        integer(int32), intent(inout) :: near(*) !! entries of these
         real(rk), intent(inout) :: sums(n_moments) !! slots at_g, ...
         real(rk) :: s(3), r(3), dv(3), dx(3), y(3), m(6), g(9), other(6), one(3), w, vr
         integer :: a, b, j, k, n, t
         integer(int32) :: next
         integer(int64) :: at
 
+        found = 0
         a = owner_of(lay%bodies, ends, i)
         b = a
         do t = 1, 6
@@ -58,6 +63,8 @@ contains
             w = volume(1, j)*kernel_slope(table(a, b)%scale/lay%depth, table(a, b)%half_over_h, &
                                           sqrt(r(1)**2 + r(2)**2 + r(3)**2))
             if (.not. w > 0) cycle ! beyond the support
+            if (keeps) near(at + found*lay%side) = list(at + (k - 1)*lay%side)
+            found = found + 1
             w = w*table(a, b)%part(1)
             call moment_terms(w, r, m)
             if (table(a, b)%law == law_shared) then

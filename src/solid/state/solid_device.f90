@@ -83,6 +83,7 @@ module brz_solid_device
         integer :: n_linked = 0, n_touching = 0 !! how many
         logical :: listed = .false. !! they are those of the links and bodies of now
         type(integers_t) :: mark, found !! to list them
+        type(integers_t) :: acting, near !! (n) how many bonds of a particle act; they, as `list`
         type(reals_t) :: cell, press
     end type links_device_t
 
