@@ -38,7 +38,12 @@ AIR = re.compile(r"src/air/|cuda/air")  # the files that use it
 # for memory, and a few numbers in the stack cost less than a quarter of the threads
 BLOCKS = {
     "solid_forces_drawn": 4,
+    "solid_forces_plate": 4,
     "solid_moments_drawn": 5,
+    "solid_moments_tilted": 5,
+    "solid_gradients": 5,
+    "solid_rows": 6,
+    "update_by_hjc": 3,
     "each_pull_links": 4,
     "solid_bond_moments": 4,
 }

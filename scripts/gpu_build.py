@@ -37,9 +37,9 @@ from cuda_fortran import (
 
 # bytes of stack that a kernel may have: the ply keeps more numbers than a thread has registers,
 # and two faces more than their bound on registers, those of WENO3 only where there are products;
-# the rows, those of the cosine for angles so large that none of them comes near; bonds, see BLOCKS
-# of cuda_fortran.py; curved walls in real64, which turn by two normals, eight numbers, and plates
-# there three; concrete such a cosine and six numbers
+# the rows, those of the cosine for angles so large that none of them comes near; bonds, plates and
+# tilted sums, see BLOCKS of cuda_fortran.py; curved walls in real64, which turn by two normals,
+# eight numbers, and plates there three; concrete such a cosine and six numbers
 STACK = {
     "update_by_hjc": 88,
     "update_by_orthotropic_ply": 112,
@@ -47,7 +47,8 @@ STACK = {
     "faces_weno3_split": 48,
     "solid_rows": 40,
     "solid_forces_wall": 72,
-    "solid_forces_plate": 24,
+    "solid_forces_plate": 72,
+    "solid_moments_tilted": 16,
     "solid_bond_moments": 80,
     "each_pull_links": 64,
 }
