@@ -8,7 +8,7 @@ module brz_cut_driver
     use brz_cell_loops, only: for_each_count_kind, for_each_list_kind
     use brz_coupling_device, only: diag_at, diag_work
     use brz_coupling_state, only: coupling_t
-    use brz_cut_cells, only: cut_cells_t
+    use brz_cut_cells, only: at_corner, cut_cells_t
     use brz_cut_cluster_loops, only: for_each_cut_adopt, for_each_cut_follow, &
         for_each_cut_mean_state, for_each_cut_point, for_each_cut_weigh
     use brz_cut_curvature_loops, only: for_each_cut_find_normal, for_each_cut_find_sag, &
@@ -22,7 +22,7 @@ module brz_cut_driver
         for_each_cut_widen
     use brz_cut_load_loops, only: for_each_cut_bear, for_each_cut_feel, for_each_cut_find_bearing, &
         for_each_cut_load_particle, for_each_cut_record
-    use brz_cut_node_loops, only: for_each_cut_fill_node, for_each_cut_find_ball, &
+    use brz_cut_node_loops, only: for_each_cut_fill_corner, for_each_cut_fill_node, for_each_cut_find_ball, &
         for_each_cut_find_distance, for_each_cut_find_largest, for_each_cut_find_thickest, &
         for_each_cut_search_octant, for_each_cut_see_fill
     use brz_cut_shape_loops, only: for_each_cut_close, for_each_cut_open, for_each_cut_shape
@@ -129,6 +129,8 @@ contains
         call at_least(on_gpu, cells%cell, n, err)
         call at_least(on_gpu, cells%place, n, err)
         call at_least(on_gpu, cells%beside, 6, n, err)
+        call at_least(on_gpu, cells%sums, 8*at_corner, n, err)
+        call at_least(on_gpu, cells%top, 8, n, err)
         call at_least(on_gpu, cells%fill, n, err)
         call at_least(on_gpu, cells%mass, n, err)
         call at_least(on_gpu, cells%momentum, 3, n, err)
@@ -182,10 +184,11 @@ contains
         type(error_t), intent(inout) :: err
 
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
-            call for_each_cut_fill_node(g, 4*l%n, nodes, p%wide, p%stride_w, p%stride_d, &
-                p%stride_p, merge(real(c%dt_before, rk), 0.0_rk, any_moves_freely(p)), l%cell, &
-                l%slot, l%bin_ends, l%binned, p%x, p%v, p%mass, p%volume, p%load, c%v_before, &
-                p%id, l%fill, l%mass, l%heaviest, l%momentum, l%all_force, l%gas_load, err)
+            call for_each_cut_fill_corner(g, 8*l%n, nodes, p%wide, p%stride_w, p%stride_d, &
+                p%stride_p, merge(1, 0, any_moves_freely(p)), l%cell, l%bin_ends, l%binned, p%x, &
+                p%v, p%mass, p%volume, p%load, c%v_before, p%id, l%sums, l%top, err)
+            call for_each_cut_fill_node(g, l%n, nodes, real(c%dt_before, rk), l%cell, l%slot, &
+                l%sums, l%top, l%fill, l%mass, l%heaviest, l%momentum, l%all_force, l%gas_load, err)
             call for_each_cut_see_fill(g, p%n, nodes, p%wide, l%home, l%cell, l%slot, p%x, l%fill, &
                                        l%radius, err)
             call for_each_cut_find_thickest(g, l%n, l%bin_ends, l%binned, l%radius, l%thickness, &

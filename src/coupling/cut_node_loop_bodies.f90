@@ -6,15 +6,19 @@
 !> on the plane as much as the body itself does. A body with particles beyond the plane goes on.
 module brz_cut_node_loop_bodies
     use brz_air_grid, only: cell_at
-    use brz_cut_cells, only: node_grid_t
+    use brz_cut_cells, only: at_corner, node_grid_t
     use brz_cut_geometry, only: ball_of, distance_of_fill, thickness_of
     use brz_cut_list_loop_bodies, only: entry_at, nodes_around
     use brz_kinds, only: dp, int32, rk
     implicit none
     private
-    public :: cut_fill_node, cut_see_fill, cut_find_thickest, cut_find_ball, cut_find_largest, &
+    public :: cut_fill_corner, cut_fill_node, cut_see_fill, cut_find_thickest, cut_find_ball, cut_find_largest, &
         cut_find_distance, cut_search_octant
     public :: tent, place_in_cells
+
+    ! rows of the sums at corners; + 1..3
+    integer, parameter :: row_fill = 1, row_beyond = 2, row_mass = 3, row_most = 4
+    integer, parameter :: row_momentum = 4, row_change = 7, row_load = 10
 
 contains
 
@@ -45,138 +49,121 @@ contains
         end do
     end function tent
 
-    !> What the particles bring to a node by tent weights: fill, mass and the heaviest of them; along
-    !> each direction momentum, the force of all kinds in the last step of the air, and the load of
-    !> the gas in that. Four threads share the work of a node.
+    !> What the particles of a cell bring to one of its corners by tent weights: eight threads side
+    !> by side read the same particles. See cut_fill_node for the rows.
     !@loop_body if(n >= worth_threads) schedule(dynamic, 256)
     !@cuf attributes(host,device) &
-    pure subroutine cut_fill_node(t, nodes, wide, stride_w, stride_d, stride_p, dt_before, cell, &
-                                  slot, ends, binned, x, v, mass, volume, load, v_before, id, &
-                                  fill, node_mass, heaviest, momentum, all_force, gas_load)
-        integer, intent(in) :: t !! parts of entries
+    pure subroutine cut_fill_corner(t, nodes, wide, stride_w, stride_d, stride_p, free, cell, ends, &
+                                    binned, x, v, mass, volume, load, v_before, id, sums, top)
+        integer, intent(in) :: t !! corners of entries
         type(node_grid_t), intent(in) :: nodes
         integer, intent(in) :: wide, stride_w !! rows of x and v; distance of volumes
         integer, intent(in) :: stride_d, stride_p !! distances in `load` of directions, of particles
-        real(rk), intent(in) :: dt_before !! last step of the air; 0: none, or nobody asks [s]
-        integer(int32), intent(in) :: cell(*), slot(*), ends(*), binned(*)
+        integer, intent(in) :: free !! 1: forces are asked for
+        integer(int32), intent(in) :: cell(*), ends(*), binned(*)
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: v(wide, *), mass(*), volume(*), load(*)
         real(rk), intent(in) :: v_before(3, *) !! by the number of a particle [m/s]
         integer(int32), intent(in) :: id(*)
+        real(dp), intent(inout) :: sums(at_corner, 8, *)
+        integer(int32), intent(inout) :: top(8, *) !! particle of the most mass there, 0: none
+        real(dp) :: filled, own(at_corner), share, weight, y(3)
+        integer :: at(3), c, d, ijk(3), p, q, s
+
+        s = (t - 1)/8 + 1
+        c = t - 8*(s - 1) - 1
+        do d = 1, at_corner
+            own(d) = 0
+        end do
+        top(c + 1, s) = 0
+        ijk = cell_at(nodes%n, cell(s))
+        do d = 1, 3
+            at(d) = ijk(d) + iand(ishft(c, 1 - d), 1)
+        end do
+        do q = ends(s) + 1, ends(s + 1)
+            p = binned(q)
+            do d = 1, 3
+                y(d) = x(d, p)
+            end do
+            share = tent(nodes, at, y)
+            filled = volume(1 + (p - 1)*stride_w)*share
+            own(row_fill) = own(row_fill) + filled
+            if (is_beyond(nodes, y)) own(row_beyond) = own(row_beyond) + filled
+            weight = mass(p)*share
+            own(row_mass) = own(row_mass) + weight
+            if (weight > own(row_most)) then
+                own(row_most) = weight
+                top(c + 1, s) = p
+            end if
+            do d = 1, 3
+                own(row_momentum + d) = own(row_momentum + d) + weight*v(d, p)
+                if (free == 0) cycle
+                own(row_change + d) = own(row_change + d) + weight*(v(d, p) - v_before(d, id(p)))
+                own(row_load + d) = own(row_load + d) + share &
+                                    *load(1 + (d - 1)*stride_d + (p - 1)*stride_p)
+            end do
+        end do
+        do d = 1, at_corner
+            sums(d, c + 1, s) = own(d)
+        end do
+    end subroutine cut_fill_corner
+
+    !> What the particles bring to a node, from the corners of the cells about it: fill, mass, the
+    !> heaviest of them, momentum, the force of all kinds in the last step of the air, and the load
+    !> of the gas in that.
+    !@loop_body if(n >= worth_threads) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine cut_fill_node(s, nodes, dt_before, cell, slot, sums, top, fill, node_mass, &
+                                  heaviest, momentum, all_force, gas_load)
+        integer, intent(in) :: s !! entries
+        type(node_grid_t), intent(in) :: nodes
+        real(rk), intent(in) :: dt_before !! last step of the air; 0: none [s]
+        integer(int32), intent(in) :: cell(*), slot(*)
+        real(dp), intent(in) :: sums(at_corner, 8, *)
+        integer(int32), intent(in) :: top(8, *)
         real(rk), intent(inout) :: fill(*)
         real(dp), intent(inout) :: node_mass(*)
         integer(int32), intent(inout) :: heaviest(*) !! particle of the most mass there, 0: none
         real(dp), intent(inout) :: momentum(3, *)
         real(rk), intent(inout) :: all_force(3, *), gas_load(3, *) !! [N]
-        integer :: ijk(3), part, s
+        real(dp) :: all(at_corner)
+        integer :: b, c, corner, d, ijk(3)
 
-        s = (t - 1)/4 + 1
-        part = t - 4*(s - 1) - 1
         ijk = cell_at(nodes%n, cell(s))
-        if (part == 0) then
-            call weigh_node(s, nodes, wide, stride_w, ijk, slot, ends, binned, x, mass, volume, &
-                            fill, node_mass, heaviest)
-        else
-            momentum(part, s) = 0
-            all_force(part, s) = 0
-            gas_load(part, s) = 0
-            if (nodes%n(part) > 1) call push_along(part, s, nodes, wide, stride_d, stride_p, &
-                dt_before, ijk, slot, ends, binned, x, v, mass, load, v_before, id, &
-                momentum(part, s), all_force(part, s), gas_load(part, s))
-        end if
-    end subroutine cut_fill_node
-
-    !> Fill of a node, mass of the particles there, and the heaviest of them.
-    !@cuf attributes(host,device) &
-    pure subroutine weigh_node(s, nodes, wide, stride_w, ijk, slot, ends, binned, x, mass, volume, &
-                               fill, node_mass, heaviest)
-        integer, intent(in) :: s !! entry
-        type(node_grid_t), intent(in) :: nodes
-        integer, intent(in) :: wide, stride_w !! rows of x; distance of volumes
-        integer, intent(in) :: ijk(3) !! node
-        integer(int32), intent(in) :: slot(*), ends(*), binned(*)
-        real(dp), intent(in) :: x(wide, *)
-        real(rk), intent(in) :: mass(*), volume(*)
-        real(rk), intent(inout) :: fill(*)
-        real(dp), intent(inout) :: node_mass(*)
-        integer(int32), intent(inout) :: heaviest(*)
-        real(dp) :: beyond, filled, full, m, most, weight, y(3)
-        integer :: b, c, d, p, q
-
-        full = 0
-        beyond = 0
-        m = 0
-        most = 0
+        do d = 1, at_corner
+            all(d) = 0
+        end do
         heaviest(s) = 0
         do c = 0, 7
             b = cell_below(nodes, ijk, c, slot)
             if (b == 0) cycle
-            do q = ends(b) + 1, ends(b + 1)
-                p = binned(q)
-                do d = 1, 3
-                    y(d) = x(d, p)
-                end do
-                weight = tent(nodes, ijk, y)
-                filled = volume(1 + (p - 1)*stride_w)*weight
-                full = full + filled
-                if (is_beyond(nodes, y)) beyond = beyond + filled
-                m = m + mass(p)*weight
-                if (mass(p)*weight > most) then
-                    most = mass(p)*weight
-                    heaviest(s) = p
+            corner = 1
+            do d = 1, 3
+                if (nodes%n(d) > 1 .and. iand(c, 2**(d - 1)) == 0) corner = corner + 2**(d - 1)
+            end do
+            if (sums(row_most, corner, b) > all(row_most)) heaviest(s) = top(corner, b)
+            do d = 1, at_corner
+                if (d == row_most) then
+                    all(d) = max(all(d), sums(d, corner, b))
+                else
+                    all(d) = all(d) + sums(d, corner, b)
                 end if
             end do
         end do
-        full = full/nodes%volume
+        all(row_fill) = all(row_fill)/nodes%volume
         do d = 1, 3
-            if (nodes%n(d) == 1 .or. beyond > 0) cycle
-            if (ijk(d) == 1 .or. ijk(d) == nodes%n(d)) full = 2*full
+            if (nodes%n(d) == 1 .or. all(row_beyond) > 0) cycle
+            if (ijk(d) == 1 .or. ijk(d) == nodes%n(d)) all(row_fill) = 2*all(row_fill)
         end do
-        fill(s) = real(full, rk)
-        node_mass(s) = m
-    end subroutine weigh_node
-
-    !> Momentum and forces along a direction of the particles at a node.
-    !@cuf attributes(host,device) &
-    pure subroutine push_along(d, s, nodes, wide, stride_d, stride_p, dt_before, ijk, slot, ends, &
-                               binned, x, v, mass, load, v_before, id, momentum, all_force, &
-                               gas_load)
-        integer, intent(in) :: d, s !! direction, entry
-        type(node_grid_t), intent(in) :: nodes
-        integer, intent(in) :: wide, stride_d, stride_p
-        real(rk), intent(in) :: dt_before
-        integer, intent(in) :: ijk(3) !! node
-        integer(int32), intent(in) :: slot(*), ends(*), binned(*)
-        real(dp), intent(in) :: x(wide, *)
-        real(rk), intent(in) :: v(wide, *), mass(*), load(*), v_before(3, *)
-        integer(int32), intent(in) :: id(*)
-        real(dp), intent(inout) :: momentum
-        real(rk), intent(inout) :: all_force, gas_load
-        real(dp) :: sums(3), weight, y(3)
-        integer :: b, c, e, p, q
-
-        sums(1) = 0
-        sums(2) = 0
-        sums(3) = 0
-        do c = 0, 7
-            b = cell_below(nodes, ijk, c, slot)
-            if (b == 0) cycle
-            do q = ends(b) + 1, ends(b + 1)
-                p = binned(q)
-                do e = 1, 3
-                    y(e) = x(e, p)
-                end do
-                weight = tent(nodes, ijk, y)
-                sums(1) = sums(1) + mass(p)*weight*v(d, p)
-                if (.not. dt_before > 0) cycle
-                sums(2) = sums(2) + mass(p)*weight*(v(d, p) - v_before(d, id(p)))
-                sums(3) = sums(3) + weight*load(1 + (d - 1)*stride_d + (p - 1)*stride_p)
-            end do
+        fill(s) = real(all(row_fill), rk)
+        node_mass(s) = all(row_mass)
+        do d = 1, 3
+            momentum(d, s) = all(row_momentum + d)
+            all_force(d, s) = 0
+            if (dt_before > 0) all_force(d, s) = real(all(row_change + d)/dt_before, rk)
+            gas_load(d, s) = real(all(row_load + d), rk)
         end do
-        momentum = sums(1)
-        if (dt_before > 0) all_force = real(sums(2)/dt_before, rk)
-        gas_load = real(sums(3), rk)
-    end subroutine push_along
+    end subroutine cut_fill_node
 
     !> Entry of one of the eight cells about a node, the lowest first; 0 where there is none.
     !@cuf attributes(host,device) &

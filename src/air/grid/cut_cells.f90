@@ -13,9 +13,10 @@ module brz_cut_cells
     use brz_kinds, only: dp, int32, int64, int8, rk
     implicit none
     private
-    public :: cut_before_t, cut_cells_t, node_grid_t, near, bare
+    public :: cut_before_t, cut_cells_t, node_grid_t, near, bare, at_corner
 
     integer, parameter :: near = 3 !! cells round one with particles that are listed
+    integer, parameter :: at_corner = 13 !! sums of the particles of a cell at a corner of it
     real(rk), parameter :: bare = 1e-12_rk !! wall area that counts as none, in faces
 
     !> The grid of nodes, and how cells lie in memory.
@@ -47,6 +48,8 @@ module brz_cut_cells
         integer(int32), allocatable :: place(:) !! (n) among the cells of the air; 0: a node alone
         integer(int32), allocatable :: beside(:, :) !! (6, n) entry across each face, 0: not listed
         ! nodes
+        real(dp), allocatable :: sums(:, :) !! (8 at_corner, n) of the particles at corners
+        integer(int32), allocatable :: top(:, :) !! (8, n) heaviest of them, 0: none
         real(rk), allocatable :: fill(:) !! (n) share of volume that particles fill
         real(dp), allocatable :: mass(:) !! (n) of the particles near it, by tent weights [kg]
         real(dp), allocatable :: momentum(:, :) !! (3, n) likewise [kg m/s]
