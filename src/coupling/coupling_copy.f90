@@ -52,7 +52,7 @@ contains
             air%device%grid%walls = 2
             air%grid%walls = 2
             call enter_cut_cells(c%wall%cells, err)
-            call begin_cut_cells(air, solid, c, err)
+            call begin_cut_cells(air, solid, solid, solid, c, err)
         else if (several(air%part%ranks)) then
             call open_windows_of_gpus(air, c, err)
             call put_halos(c, err)

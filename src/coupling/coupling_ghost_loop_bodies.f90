@@ -2,7 +2,6 @@
 !> What several processes tell each other of the coupling: who gets which particles, cells and
 !> deferred sources. A process is asked for by a box of cells; marks are a row for each box.
 module brz_coupling_ghost_loop_bodies
-    use brz_cell_place, only: cell_number
     use brz_cell_shells, only: cell_at, number_of
     use brz_coupling_box, only: box_t
     use brz_kinds, only: dp, int32, int8, rk
@@ -84,26 +83,29 @@ contains
         end do
     end function is_listed
 
-    !> Cell of the grid that holds a particle; 0, 0, 0 outside, or where it is gone.
+    !> Cell of the grid that holds a particle; 0, 0, 0 outside, or where it is gone. One in the
+    !> layer beyond the grid counts to the last cell, as to cut cells.
     !@cuf attributes(host,device) &
     pure function cell_of_grid(box, x, fixed) result(ijk)
         type(box_t), intent(in) :: box
         real(dp), intent(in) :: x(3) !! [m]
         integer(int32), intent(in) :: fixed
-        integer :: d, ijk(3), none(3)
-        integer(int32) :: c
+        integer :: d, ijk(3)
+        logical :: outside
 
+        ijk = cell_about(box, x, fixed)
+        outside = .false.
         do d = 1, 3
-            none(d) = 0
-            ijk(d) = 0
+            outside = outside .or. ijk(d) < 0 .or. ijk(d) > box%whole(d) + 1
+            ijk(d) = max(1, min(box%whole(d), ijk(d)))
         end do
-        if (fixed == is_gone) return
-        c = cell_number(x, box%lo, box%dx, box%whole, box%wraps, none, box%whole)
-        if (c > 0) ijk = cell_at(box%whole, c)
+        do d = 1, 3
+            if (outside) ijk(d) = 0
+        end do
     end function cell_of_grid
 
-    !> The same of a grid that goes on beyond its ends, where cells are 0 and whole + 1, those
-    !> farther out -1 and whole + 2; -1, -1, -1 where the particle is gone.
+    !> The same of a grid that goes on beyond its ends, where cells are -1, 0, whole + 1 and
+    !> whole + 2, those farther out -2 and whole + 3; -2, -2, -2 where the particle is gone.
     !@cuf attributes(host,device) &
     pure function cell_about(box, x, fixed) result(ijk)
         type(box_t), intent(in) :: box
@@ -113,13 +115,13 @@ contains
         integer :: d, ijk(3)
 
         do d = 1, 3
-            ijk(d) = -1
+            ijk(d) = -2
         end do
         if (fixed == is_gone) return
         do d = 1, 3
             s = (x(d) - box%lo(d))/box%dx(d)
             if (box%wraps(d)) s = s - box%whole(d)*floor(s/box%whole(d))
-            ijk(d) = floor(min(max(s, -2.0_dp), box%whole(d) + 1.0_dp)) + 1
+            ijk(d) = floor(min(max(s, -3.0_dp), box%whole(d) + 2.0_dp)) + 1
             if (box%whole(d) == 1) ijk(d) = 1
         end do
     end function cell_about

@@ -37,7 +37,13 @@ contains
             end do
             part%near = part%halos ! a particle may move for some steps until it is missed
             do r = 0, ubound(part%near, 1)
-                part%near(r) = widened(part%near(r), [1, 1, 1]) ! beyond the grid, too
+                associate (near => part%near(r), n => coupling%box%whole)
+                    near = widened(near, [1, 1, 1]) ! beyond the grid, too
+                    ! where a particle in the layer beyond it makes walls of cut cells
+                    if (.not. coupling%wall%cells%present) cycle
+                    near%lo = merge(-1, near%lo, near%lo == 0)
+                    near%hi = merge(n + 2, near%hi, near%hi == n + 1)
+                end associate
             end do
             part%messages%ranks = air%part%ranks
         end associate
@@ -93,7 +99,14 @@ contains
             from)
         call list_rows(c%on_gpu, c%ghosts, rows_of(c%on_gpu, c%ghosts%v_before, 3*w), to)
         n = n_moving
-        if (all_of_it) n = merge(n_known, n_known + 1, c%on_gpu)
+        if (all_of_it) then
+            n = merge(n_known, n_known + 1, c%on_gpu)
+        else if (c%wall%cells%present) then
+            ! nodes are filled by the volumes of now
+            n = n_moving + 1
+            from(n) = from(n_known + 1)
+            to(n) = to(n_known + 1)
+        end if
         call c%part%messages%send(c%part%out, c%part%in, from(:n), to(:n), err)
     end subroutine send_coupling_ghosts
 

@@ -15,6 +15,7 @@ module brz_coupling_setup
     use brz_coupling_driver, only: move_walls
     use brz_coupling_windows, only: see_halo
     use brz_cut_driver, only: mix_clusters
+    use brz_cut_share, only: plan_share
     use brz_cut_start_driver, only: begin_cut_cells, set_up_cut_cells
     use brz_deferred_source_driver, only: enter_deferred_sources, size_deferred_sources
     use brz_errors, only: error_t, exit_deck, failed, raise
@@ -118,8 +119,14 @@ contains
         if (several(solid%ranks)) then
             call open_halos(air, solid, coupling)
             call put_halos(coupling, none)
+            if (by_cut_cells) call plan_share(air%part%ranks, coupling%part%boxes, &
+                coupling%part%halos, air%whole, coupling%wall%share)
             call restart_coupling(air, solid, coupling)
-            call empty_walls(air, coupling%ghosts, coupling)
+            if (by_cut_cells) then
+                call mix_clusters(air, coupling, none)
+            else
+                call empty_walls(air, coupling%ghosts, coupling)
+            end if
             call see_halo(air, coupling, .false., none)
         else
             allocate (coupling%cell_of(solid%n), coupling%place_of(solid%n), &
@@ -269,22 +276,23 @@ contains
             coupling%part%rebuilds = -1 ! none are listed
             call renew_coupling_ghosts(solid, coupling, none)
             call see_halo(air, coupling, .false., none)
-            call begin_walls(air, coupling%ghost_bodies, coupling%ghosts, coupling)
+            call begin_walls(air, solid, coupling%ghost_bodies, coupling%ghosts, coupling)
         else
-            call begin_walls(air, solid, solid, coupling)
+            call begin_walls(air, solid, solid, solid, coupling)
         end if
     end subroutine restart_coupling
 
-    subroutine begin_walls(air, solid, p, coupling)
+    subroutine begin_walls(air, all, solid, p, coupling)
         type(air_t), intent(inout) :: air
-        class(bodies_t), intent(in) :: solid !! bodies
-        class(bodies_t), intent(in) :: p !! particles
+        class(bodies_t), intent(in) :: all !! particles of this process
+        class(bodies_t), intent(in) :: solid !! bodies of those that it sees
+        class(bodies_t), intent(in) :: p !! these particles
         type(coupling_t), intent(inout) :: coupling
         type(error_t) :: none
 
         coupling%cell_of = -1
         if (coupling%wall%cells%present) then
-            call begin_cut_cells(air, p, coupling, none)
+            call begin_cut_cells(air, all, solid, p, coupling, none)
             return
         end if
         ! from none: a checkpoint has a map, and not the lists that belong to it

@@ -32,9 +32,10 @@ contains
         do e = 1, 3
             to(e) = ijk(e)
             if (e /= d) cycle
-            to(e) = ijk(e) + by
+            to(e) = nodes%before(e) + ijk(e) + by
             if (to(e) < 1) to(e) = 2 - to(e)
-            if (to(e) > nodes%n(e)) to(e) = 2*nodes%n(e) - to(e)
+            if (to(e) > nodes%whole(e) + 1) to(e) = 2*nodes%whole(e) + 2 - to(e)
+            to(e) = to(e) - nodes%before(e)
         end do
         s = entry_at(nodes, to(1), to(2), to(3), slot)
     end function entry_near
@@ -118,7 +119,8 @@ contains
                 if (.not. has_normal(b, normal)) cycle
                 seen = seen + 1
                 ! an image has its normal turned
-                if (ijk(d) + side < 1 .or. ijk(d) + side > nodes%n(d)) then
+                if (nodes%before(d) + ijk(d) + side < 1 &
+                    .or. nodes%before(d) + ijk(d) + side > nodes%whole(d) + 1) then
                     change = change + side*(-normal(d, b) - normal(d, s))
                 else
                     change = change + side*(normal(d, b) - normal(d, s))

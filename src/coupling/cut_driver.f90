@@ -8,7 +8,7 @@ module brz_cut_driver
     use brz_cell_loops, only: for_each_count_kind, for_each_list_kind
     use brz_coupling_device, only: diag_at, diag_work
     use brz_coupling_state, only: coupling_t
-    use brz_cut_cells, only: at_corner, cut_cells_t
+    use brz_cut_cells, only: at_corner, cut_cells_t, node_grid_t
     use brz_cut_cluster_loops, only: for_each_cut_adopt, for_each_cut_follow, &
         for_each_cut_mean_state, for_each_cut_point, for_each_cut_weigh
     use brz_cut_curvature_loops, only: for_each_cut_find_normal, for_each_cut_find_sag, &
@@ -25,16 +25,19 @@ module brz_cut_driver
     use brz_cut_node_loops, only: for_each_cut_fill_corner, for_each_cut_fill_node, for_each_cut_find_ball, &
         for_each_cut_find_distance, for_each_cut_find_largest, for_each_cut_find_thickest, &
         for_each_cut_search_octant, for_each_cut_see_fill
+    use brz_cut_share, only: found_by_any, list_shared, share_columns, share_marks, share_masters, &
+        share_numbers
     use brz_cut_shape_loops, only: for_each_cut_close, for_each_cut_open, for_each_cut_shape
     use brz_driven_body_driver, only: put_driven_bodies
     use brz_driven_body_motion, only: foresee_driven_bodies, read_driven_bodies
     use brz_driven_body_rules, only: carries_all, carries_none, n_push
     use brz_errors, only: error_t
     use brz_formulation_names, only: form_rigid
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp, int32, rk
     use brz_lists, only: at_least, clear_list, clear_map, count_in_bins, put_in_bins, running_sum, &
         swap
     use brz_near_walls, only: see_cut_cells
+    use brz_ranks, only: several
     use brz_scheme, only: max_var
     use brz_bodies, only: bodies_t
     implicit none
@@ -48,24 +51,34 @@ module brz_cut_driver
 
 contains
 
-    !> List the cells near particles and sort these into them; `renewed` where the list is another.
-    subroutine find_cut_cells(air, p, c, renewed, err)
+    !> List the cells near particles and sort these into them. The list is another where a particle
+    !> of any process has left its cell, or places have changed.
+    subroutine find_cut_cells(air, solid, p, c, err)
         type(air_t), intent(in) :: air
-        class(bodies_t), intent(in) :: p !! particles
+        class(bodies_t), intent(in) :: solid !! particles of this process
+        class(bodies_t), intent(in) :: p !! those that it sees
         type(coupling_t), intent(inout) :: c
-        logical, intent(out) :: renewed
         type(error_t), intent(inout) :: err
         integer :: moved
+        logical :: renewed
 
         associate (cells => c%wall%cells)
             moved = 0
             call for_each_cut_cell_of(c%on_gpu, p%n, cells%nodes, p%wide, p%x, p%fixed, c%cell_of, &
                                       moved, err)
-            renewed = moved > 0 .or. p%rebuilds /= c%rebuilds
-            c%rebuilds = p%rebuilds
-            if (.not. renewed) return
-            call list_cut_cells(p, c, cells, err)
-            if (c%on_gpu) call see_cut_cells(air%device, cells, err)
+            if (several(c%ranks)) call count_moved(solid, c, moved, err)
+            renewed = moved > 0 .or. solid%rebuilds /= cells%rebuilds
+            cells%rebuilds = solid%rebuilds
+            if (renewed) then
+                call list_cut_cells(p%n, c, cells, err)
+                if (c%on_gpu) call see_cut_cells(air%device, cells, err)
+            else if (.not. several(c%ranks)) then
+                return
+            end if
+            ! copies of particles may have got other places
+            call at_least(c%on_gpu, cells%home, p%n, err)
+            call at_least(c%on_gpu, cells%binned, p%n, err)
+            call at_least(c%on_gpu, cells%radius, p%n, err)
             call for_each_cut_find_home(c%on_gpu, p%n, c%cell_of, cells%slot, cells%home, err)
             call clear_list(c%on_gpu, cells%n + 2, cells%bin_ends, err)
             call count_in_bins(c%on_gpu, p%n, cells%home, cells%bin_ends, err)
@@ -75,9 +88,35 @@ contains
         end associate
     end subroutine find_cut_cells
 
+    !> How many particles have left their cell of the grid: 0 where none of any process has.
+    subroutine count_moved(solid, c, moved, err)
+        class(bodies_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: c
+        integer, intent(out) :: moved
+        type(error_t), intent(inout) :: err
+        type(node_grid_t) :: grid
+        integer :: b
+
+        moved = 0
+        grid = c%wall%cells%nodes
+        grid%before = 0
+        grid%cells = grid%whole
+        grid%n = merge(grid%whole + 1, 1, grid%whole > 1)
+        call at_least(.false., c%wall%cells%was_in, solid%n, err)
+        associate (was_in => c%wall%cells%was_in)
+            do b = 1, size(solid%bodies)
+                associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)
+                    call for_each_cut_cell_of(.false., last - first + 1, grid, solid%wide, &
+                        solid%x(:, first:), solid%fixed(first:), was_in(first:), moved, err)
+                end associate
+            end do
+        end associate
+        moved = merge(1, 0, found_by_any(c%ranks, moved))
+    end subroutine count_moved
+
     !> The list of the cells within `near` cells of a particle.
-    subroutine list_cut_cells(p, c, cells, err)
-        class(bodies_t), intent(in) :: p !! particles
+    subroutine list_cut_cells(particles, c, cells, err)
+        integer, intent(in) :: particles !! that this process sees
         type(coupling_t), intent(inout) :: c
         type(cut_cells_t), intent(inout) :: cells
         type(error_t), intent(inout) :: err
@@ -87,7 +126,7 @@ contains
                                                     cells%slot, cells%place, err)
         n = product(cells%nodes%n)
         call clear_map(c%on_gpu, n, cells%mark, err)
-        call for_each_cut_mark(c%on_gpu, p%n, c%cell_of, cells%mark, err)
+        call for_each_cut_mark(c%on_gpu, particles, c%cell_of, cells%mark, err)
         do d = 1, 3
             call for_each_cut_widen(c%on_gpu, n, cells%nodes, d, cells%mark, cells%next_mark, err)
             call swap(cells%mark, cells%next_mark)
@@ -105,22 +144,23 @@ contains
             if (found > 0) call for_each_cut_unite_marks(c%on_gpu, n, cells%next_mark, &
                                                          cells%mark, err)
         end if
+        if (several(c%ranks)) call share_marks(c%wall%share, cells, cells%mark)
         chunks = (n - 1)/cells_of_a_chunk + 1
         call at_least(c%on_gpu, c%start, chunks + 1, err)
         call for_each_count_kind(c%on_gpu, chunks, n, 1, cells%mark, c%start, err)
         call running_sum(c%on_gpu, c%start, chunks, err, cells%n)
-        call size_list(c%on_gpu, p%n, cells, err)
+        call size_list(c%on_gpu, cells, err)
         call for_each_list_kind(c%on_gpu, chunks, n, 1, cells%mark, c%start, cells%cell, err)
         call for_each_cut_set_slot(c%on_gpu, cells%n, cells%nodes, 1, cells%cell, cells%slot, &
                                    cells%place, err)
         call for_each_cut_find_beside(c%on_gpu, cells%n, cells%nodes, cells%cell, cells%slot, &
                                       cells%place, cells%beside, err)
+        call list_shared(c%wall%share, cells)
     end subroutine list_cut_cells
 
-    !> Room for what is kept per entry and per particle.
-    subroutine size_list(on_gpu, particles, cells, err)
+    !> Room for what is kept per entry.
+    subroutine size_list(on_gpu, cells, err)
         logical, intent(in) :: on_gpu
-        integer, intent(in) :: particles
         type(cut_cells_t), intent(inout) :: cells
         type(error_t), intent(inout) :: err
         integer :: n
@@ -172,9 +212,6 @@ contains
         call at_least(on_gpu, cells%push, 3, n, err)
         call at_least(on_gpu, cells%impulse, 3, n, err)
         call at_least(on_gpu, cells%bin_ends, n + 2, err)
-        call at_least(on_gpu, cells%home, particles, err)
-        call at_least(on_gpu, cells%binned, particles, err)
-        call at_least(on_gpu, cells%radius, particles, err)
     end subroutine size_list
 
     !> Shapes of the listed cells from the particles.
@@ -184,9 +221,13 @@ contains
         type(error_t), intent(inout) :: err
 
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
-            call for_each_cut_fill_corner(g, 8*l%n, nodes, p%wide, p%stride_w, p%stride_d, &
-                p%stride_p, merge(1, 0, any_moves_freely(p)), l%cell, l%bin_ends, l%binned, p%x, &
-                p%v, p%mass, p%volume, p%load, c%v_before, p%id, l%sums, l%top, err)
+            if (several(c%ranks)) then
+                associate (before => c%ghosts%v_before, seat => c%part%seat)
+                    call sum_corners(p, c, before, seat, err)
+                end associate
+            else
+                call sum_corners(p, c, c%v_before, p%id, err)
+            end if
             call for_each_cut_fill_node(g, l%n, nodes, real(c%dt_before, rk), l%cell, l%slot, &
                 l%sums, l%top, l%fill, l%mass, l%heaviest, l%momentum, l%all_force, l%gas_load, err)
             call for_each_cut_see_fill(g, p%n, nodes, p%wide, l%home, l%cell, l%slot, p%x, l%fill, &
@@ -200,6 +241,7 @@ contains
             call for_each_cut_search_octant(g, 8*l%n, nodes, p%wide, l%cell, l%slot, l%bin_ends, &
                 l%binned, p%x, l%radius, l%ball, l%fill, l%sag, l%octants, err)
             call for_each_cut_find_distance(g, l%n, l%octants, l%distance, err)
+            call share_numbers(c%wall%share, l%n, l%distance)
             call for_each_cut_shape(g, l%n, nodes, l%cell, l%place, l%slot, l%distance, l%gas, &
                                     l%middle, l%shut, err)
             call for_each_cut_find_bearing(g, l%n, nodes, l%cell, l%place, l%slot, l%mass, &
@@ -207,6 +249,22 @@ contains
         end associate
         call open_faces(c, 1, err)
     end subroutine find_shapes
+
+    !> What particles bring to the corners of their cells, where the velocity of one a step ago is a
+    !> column of v_before.
+    subroutine sum_corners(p, c, v_before, column, err)
+        class(bodies_t), intent(in) :: p !! particles
+        type(coupling_t), intent(inout) :: c
+        real(rk), intent(in) :: v_before(:, :) !! [m/s]
+        integer(int32), intent(in) :: column(:) !! of each particle in it
+        type(error_t), intent(inout) :: err
+
+        associate (l => c%wall%cells)
+            call for_each_cut_fill_corner(c%on_gpu, 8*l%n, l%nodes, p%wide, p%stride_w, &
+                p%stride_d, p%stride_p, merge(1, 0, any_moves_freely(p)), l%cell, l%bin_ends, &
+                l%binned, p%x, p%v, p%mass, p%volume, p%load, v_before, column, l%sums, l%top, err)
+        end associate
+    end subroutine sum_corners
 
     !> How far facets lie inside curved walls, from the fill of the nodes.
     subroutine find_sags(on_gpu, l, err)
@@ -264,6 +322,7 @@ contains
                 call swap(l%master, l%next_master)
                 call follow_pointers(g, l, err)
             end do
+            call share_masters(c%wall%share, l)
         end associate
         call list_members(c, err)
     end subroutine find_clusters
@@ -312,9 +371,10 @@ contains
 
     !> Velocities of the walls: at the step, for how long it may be; with dt in the middle of it,
     !> from what the gas does to rigid bodies, and what they sweep.
-    subroutine move_cut_walls(air, solid, c, dt, err)
+    subroutine move_cut_walls(air, solid, p, c, dt, err)
         type(air_t), intent(in) :: air
-        class(bodies_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid !! its bodies
+        class(bodies_t), intent(in) :: p !! their particles
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! of the coming step of the air, 0: not known yet [s]
         type(error_t), intent(inout) :: err
@@ -325,21 +385,42 @@ contains
             call put_driven_bodies(c, err)
         else
             call push_carriers(air, solid, c, dt, err)
-            call push_nodes(air, solid, c, dt, err)
+            call push_nodes(air, p, c, dt, err)
         end if
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
             if (.not. dt > 0) call for_each_cut_find_carrier(g, l%n, nodes, c%bodies, c%driven, &
-                l%cell, l%slot, l%area, l%mass, l%heaviest, solid%fixed, l%carrier, err)
+                l%cell, l%slot, l%area, l%mass, l%heaviest, p%fixed, l%carrier, err)
             call for_each_cut_wall_velocity(g, l%n, nodes, c%bodies, c%driven, l%cell, l%slot, &
                                             l%area, l%middle, l%mass, l%momentum, l%carrier, l%v, &
                                             err)
-            if (.not. dt > 0) return
+            if (.not. dt > 0) then
+                call share_walls(c, .false.)
+                return
+            end if
             call for_each_cut_tame(g, l%n, nodes, real(dt, rk), l%place, l%shut, l%master, l%ends, &
                                    l%member, l%volume, l%area, l%v, l%slowed, err)
             call for_each_cut_sweep(g, l%n, nodes, real(dt, rk), l%shut, l%gas, l%volume, l%area, &
                                     l%v, l%swept, err)
         end associate
+        call share_walls(c, .true.)
     end subroutine move_cut_walls
+
+    !> Velocities of the walls in the boxes of others, and what they sweep.
+    subroutine share_walls(c, swept)
+        type(coupling_t), intent(inout) :: c
+        logical, intent(in) :: swept !! they have moved
+        real(rk) :: table(4, c%wall%cells%n)
+
+        if (.not. several(c%ranks)) return
+        associate (l => c%wall%cells)
+            table(:3, :) = l%v(:, :l%n)
+            table(4, :) = 0
+            if (swept) table(4, :) = l%swept(:l%n)
+            call share_columns(c%wall%share, table)
+            l%v(:, :l%n) = table(:3, :)
+            if (swept) l%swept(:l%n) = table(4, :)
+        end associate
+    end subroutine share_walls
 
     !> Bring the nodes whose particles nothing carries to the middle of the coming step.
     subroutine push_nodes(air, p, c, dt, err)
@@ -379,7 +460,7 @@ contains
         associate (l => c%wall%cells)
             do b = 1, c%bodies
                 if (c%driven(b)%carries /= carries_all) cycle
-                call for_each_cut_sum_push(c%on_gpu, l%n, solid%ranks, b, l%nodes, air%scheme, &
+                call for_each_cut_sum_push(c%on_gpu, l%n, c%ranks, b, l%nodes, air%scheme, &
                     c%reference_pressure, c%driven(b), l%cell, l%place, l%shut, l%area, l%middle, &
                     l%v, l%carrier, air%u, push(:, b), err)
             end do
@@ -390,7 +471,7 @@ contains
 
     !> Force and torque of the air on the bodies that carry particles.
     subroutine load_cut_carriers(solid, c, load, err)
-        class(bodies_t), intent(in) :: solid
+        class(bodies_t), intent(in) :: solid !! bodies, and their particles
         type(coupling_t), intent(inout) :: c
         real(dp), intent(out) :: load(6, c%bodies) !! [N], [N m]
         type(error_t), intent(inout) :: err
@@ -401,7 +482,7 @@ contains
             do b = 1, size(solid%bodies)
                 if (c%driven(b)%carries == carries_none) cycle
                 associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)
-                    call for_each_cut_sum_load(c%on_gpu, last - first + 1, solid%ranks, first, &
+                    call for_each_cut_sum_load(c%on_gpu, last - first + 1, c%ranks, first, &
                         l%nodes, c%driven(b), solid%wide, solid%fixed, l%home, l%cell, l%slot, &
                         solid%x, solid%mass, l%mass, l%force, l%moment, load(:, b), err)
                 end associate
@@ -421,8 +502,10 @@ contains
         given = 0
         taken = 0
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
-            call for_each_cut_record(g, l%n, dt, c%reference_pressure, l%area, l%v, l%impulse, &
-                                     work, given, taken, diag_at(c%device, diag_work), err)
+            if (several(c%ranks)) call share_columns(c%wall%share, l%impulse(:, :l%n))
+            call for_each_cut_record(g, l%n, nodes, dt, c%reference_pressure, l%cell, l%area, &
+                                     l%v, l%impulse, work, given, taken, &
+                                     diag_at(c%device, diag_work), err)
             call for_each_cut_bear(g, l%n, nodes, dt, c%reference_pressure, l%cell, l%slot, &
                                    l%mass, l%bearing, l%area, l%middle, l%impulse, l%force, &
                                    l%moment, err)

@@ -9,16 +9,16 @@ module brz_cut_list_loop_bodies
     use brz_scheme, only: max_var
     implicit none
     private
-    public :: cut_cell_of, cut_mark, cut_mark_listed, cut_mark_unsettled, cut_unite_marks, cut_widen, &
-        cut_set_slot, cut_find_beside, cut_find_home, cut_set_near
+    public :: cut_cell_of, cut_mark, cut_mark_listed, cut_mark_unsettled, cut_unite_marks, &
+        cut_widen, cut_set_slot, cut_find_beside, cut_find_home, cut_set_near
     public :: entry_at, nodes_around
 
     real(rk), parameter :: settled = 64*epsilon(1.0_rk) !! of a cell, in which gas may be off it
 
 contains
 
-    !> Number of the cell of each particle in the grid of nodes. One beside the box, so near that it
-    !> reaches the nodes at the end, counts to the last cell.
+    !> Number of the cell of each particle in the grid of nodes. One beside the grid, so near that
+    !> it reaches the nodes at the end, counts to the last cell.
     !@loop_body
     !@cuf attributes(host,device) &
     pure subroutine cut_cell_of(p, nodes, wide, x, fixed, number, moved)
@@ -30,7 +30,7 @@ contains
         integer(int32), intent(inout) :: number(*) !! 0: outside
         integer, intent(inout) :: moved !@count particles that have changed their cell
         integer(int32) :: c
-        integer :: d, ijk(3)
+        integer :: d, i, ijk(3)
         logical :: near_box
         real(dp) :: s
 
@@ -39,8 +39,11 @@ contains
             ijk(d) = 1
             if (nodes%n(d) == 1) cycle
             s = (x(d, p) - nodes%lo(d))/nodes%dx(d)
-            near_box = near_box .and. s > -1 .and. s < nodes%cells(d) + 1
-            if (near_box) ijk(d) = max(1, min(nodes%cells(d), floor(s) + 1))
+            near_box = near_box .and. s > -1 .and. s < nodes%whole(d) + 1
+            if (.not. near_box) cycle
+            i = max(1, min(nodes%whole(d), floor(s) + 1)) - nodes%before(d)
+            near_box = i >= 1 .and. i <= nodes%cells(d)
+            ijk(d) = i
         end do
         c = 0
         if (near_box) c = number_of(nodes%n, ijk)
@@ -70,8 +73,8 @@ contains
         mark(cell(s)) = 1_int8
     end subroutine cut_mark_listed
 
-    !> Mark the cells around a listed one at the end of the list that does not hold a cell of gas, as
-    !> where bodies have left the box or are eroded: it stays listed until it does.
+    !> Mark the cells around a listed one at the end of the list that does not hold a cell of gas,
+    !> as where bodies have left the box or are eroded: it stays listed until it does.
     !@loop_body
     !@cuf attributes(host,device) &
     pure subroutine cut_mark_unsettled(s, nodes, cell, place, volume, swept, kept, from, mark, &

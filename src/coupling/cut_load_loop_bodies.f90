@@ -2,7 +2,7 @@
 !> Loads by cut cells: a cell hands the force on its wall to its nodes in shares of the mass of the
 !> particles there, a node to its particles likewise. Both are gathers, and nothing is lost.
 module brz_cut_load_loop_bodies
-    use brz_air_grid, only: cell_at
+    use brz_air_grid, only: cell_at, is_between
     use brz_cut_cells, only: node_grid_t
     use brz_cut_list_loop_bodies, only: entry_at, nodes_around
     use brz_cut_node_loop_bodies, only: tent
@@ -89,7 +89,7 @@ contains
                     if (bearing(b) < 0) share = -mass(s)/bearing(b)
                     do d = 1, 3
                         push(d) = share*(impulse(d, b)/dt - reference*area(d, b))
-                        arm(d) = (at(d) - 1 + middle(d, b))*nodes%dx(d)
+                        arm(d) = (nodes%before(d) + at(d) - 1 + middle(d, b))*nodes%dx(d)
                         force(d, s) = force(d, s) + push(d)
                     end do
                     moment(1, s) = moment(1, s) + (arm(2)*push(3) - arm(3)*push(2))
@@ -144,10 +144,12 @@ contains
     !> Add the wall of a cell to the diagnostics.
     !@loop_body
     !@cuf attributes(host,device) &
-    pure subroutine cut_record(s, dt, reference, area, v, impulse, work, given, taken)
+    pure subroutine cut_record(s, nodes, dt, reference, cell, area, v, impulse, work, given, taken)
         integer, intent(in) :: s !! entries
+        type(node_grid_t), intent(in) :: nodes
         real(dp), intent(in) :: dt !! step of the air [s]
         real(rk), intent(in) :: reference !! pressure that is taken off [Pa]
+        integer(int32), intent(in) :: cell(*)
         real(rk), intent(in) :: area(3, *), v(3, *), impulse(3, *)
         real(dp), intent(inout) :: work(2) !@sum of all pressure, of the reference pressure [J]
         real(dp), intent(inout) :: given(3) !@sum of impulses given to the solid [N s]
@@ -155,6 +157,7 @@ contains
         real(dp) :: off
         integer :: d
 
+        if (.not. is_between(nodes%n, nodes%own, cell(s))) return
         do d = 1, 3
             off = reference*real(area(d, s), dp)*dt
             work(1) = work(1) + impulse(d, s)*real(v(d, s), dp)

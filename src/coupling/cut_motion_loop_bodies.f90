@@ -2,7 +2,7 @@
 !> Walls of cut cells that move: their velocities, what they sweep in a step, and what the gas would
 !> do to the bodies that carry them.
 module brz_cut_motion_loop_bodies
-    use brz_air_grid, only: cell_at
+    use brz_air_grid, only: cell_at, is_between
     use brz_cut_cells, only: bare, node_grid_t
     use brz_cut_list_loop_bodies, only: entry_at, nodes_around
     use brz_cut_node_loop_bodies, only: tent
@@ -37,7 +37,7 @@ contains
         integer :: ijk(3)
 
         ijk = cell_at(nodes%n, number)
-        x = nodes%lo(d) + (ijk(d) - 1 + middle(d))*nodes%dx(d)
+        x = nodes%lo(d) + (nodes%before(d) + ijk(d) - 1 + middle(d))*nodes%dx(d)
     end function wall_place
 
     !> The body that carries the wall in a cell, by the heaviest particle at its heaviest node; 0
@@ -270,6 +270,7 @@ contains
         integer :: d
 
         if (carrier(s) /= body .or. shut(s) /= 0) return
+        if (.not. is_between(nodes%n, nodes%own, cell(s))) return
         call push_on_wall(s, nodes, scheme, reference, place, area, v, u, force, yield)
         do d = 1, 3
             x(d) = middle(d, s)
@@ -372,6 +373,7 @@ contains
 
         part = first - 1 + p
         if (home(part) == 0) return
+        if (.not. is_between(nodes%n, nodes%own, cell(home(part)))) return
         if (.not. is_carried(driven%carries, fixed(part) == is_fixed)) return
         ijk = cell_at(nodes%n, cell(home(part)))
         do d = 1, 3

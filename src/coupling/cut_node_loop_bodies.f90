@@ -22,7 +22,7 @@ module brz_cut_node_loop_bodies
 
 contains
 
-    !> Coordinate of a particle in cells, from the first node.
+    !> Coordinate of a particle in cells, from the first node of the grid.
     !@cuf attributes(host,device) &
     pure function place_in_cells(nodes, d, x) result(at)
         type(node_grid_t), intent(in) :: nodes
@@ -45,7 +45,8 @@ contains
         weight = 1
         do d = 1, 3
             if (nodes%n(d) == 1) cycle
-            weight = weight*max(0.0_dp, 1 - abs(place_in_cells(nodes, d, x(d)) - (ijk(d) - 1)))
+            weight = weight*max(0.0_dp, 1 - abs(place_in_cells(nodes, d, x(d)) &
+                                                - (nodes%before(d) + ijk(d) - 1)))
         end do
     end function tent
 
@@ -153,7 +154,8 @@ contains
         all(row_fill) = all(row_fill)/nodes%volume
         do d = 1, 3
             if (nodes%n(d) == 1 .or. all(row_beyond) > 0) cycle
-            if (ijk(d) == 1 .or. ijk(d) == nodes%n(d)) all(row_fill) = 2*all(row_fill)
+            if (nodes%before(d) + ijk(d) == 1 .or. nodes%before(d) + ijk(d) == nodes%whole(d) + 1) &
+                all(row_fill) = 2*all(row_fill)
         end do
         fill(s) = real(all(row_fill), rk)
         node_mass(s) = all(row_mass)
@@ -186,7 +188,7 @@ contains
         b = entry_at(nodes, to(1), to(2), to(3), slot)
     end function cell_below
 
-    !> True for a place outside the box.
+    !> True for a place outside the grid.
     !@cuf attributes(host,device) &
     pure function is_beyond(nodes, x) result(beyond)
         type(node_grid_t), intent(in) :: nodes
@@ -198,7 +200,7 @@ contains
         do d = 1, 3
             if (nodes%n(d) == 1) cycle
             beyond = beyond .or. x(d) < nodes%lo(d) &
-                     .or. x(d) > nodes%lo(d) + nodes%cells(d)*nodes%dx(d)
+                     .or. x(d) > nodes%lo(d) + nodes%whole(d)*nodes%dx(d)
         end do
     end function is_beyond
 
@@ -369,7 +371,7 @@ contains
             square = 0
             do d = 1, 3
                 if (nodes%n(d) > 1) square = square &
-                    + (place_in_cells(nodes, d, x(d, part)) - (ijk(d) - 1))**2
+                    + (place_in_cells(nodes, d, x(d, part)) - (nodes%before(d) + ijk(d) - 1))**2
             end do
             least = min(least, real(sqrt(square), rk) - radius(part))
         end do

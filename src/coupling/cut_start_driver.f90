@@ -9,10 +9,12 @@ module brz_cut_start_driver
     use brz_cut_cluster_loops, only: for_each_cut_empty_shut, for_each_cut_shut_pocket
     use brz_cut_driver, only: find_clusters, find_cut_cells, find_shapes, list_members, &
         move_cut_walls, open_faces
+    use brz_cut_share, only: found_by_any, share_columns
     use brz_device_data, only: enter_data
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_lists, only: clear_map, clear_reals, swap
+    use brz_ranks, only: several
     implicit none
     private
     public :: set_up_cut_cells, begin_cut_cells, enter_cut_cells
@@ -27,8 +29,11 @@ contains
 
         associate (cells => c%wall%cells)
             cells%present = .true.
-            cells%nodes%cells = air%n
-            cells%nodes%n = merge(air%n + 1, 1, air%n > 1)
+            cells%nodes%whole = c%box%whole
+            cells%nodes%before = c%box%before
+            cells%nodes%own = c%box%own
+            cells%nodes%cells = c%box%n
+            cells%nodes%n = merge(c%box%n + 1, 1, air%n > 1)
             cells%nodes%dimensions = count(air%n > 1)
             cells%nodes%lo = air%lo
             cells%nodes%dx = air%dx
@@ -44,12 +49,13 @@ contains
 
     !> Shapes of the cut cells as the particles say, and gas as they leave room for it or, from a
     !> checkpoint, as `before` has it.
-    subroutine begin_cut_cells(air, p, c, err)
+    subroutine begin_cut_cells(air, solid, bodies, p, c, err)
         type(air_t), intent(in) :: air
-        class(bodies_t), intent(in) :: p !! bodies and particles
+        class(bodies_t), intent(in) :: solid !! particles of this process
+        class(bodies_t), intent(in) :: bodies !! bodies of those that it sees
+        class(bodies_t), intent(in) :: p !! these particles
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
-        logical :: renewed
 
         call clear_map(c%on_gpu, size(c%wall%solid), c%wall%solid, err)
         associate (held => c%wall%cells%before)
@@ -61,7 +67,8 @@ contains
                 call enter_data(held%master, err)
             end if
         end associate
-        call find_cut_cells(air, p, c, renewed, err)
+        c%wall%cells%rebuilds = -1
+        call find_cut_cells(air, solid, p, c, err)
         call find_shapes(p, c, err)
         if (c%wall%cells%resumes) then
             call resume_volumes(c, err)
@@ -69,7 +76,7 @@ contains
             call start_volumes(c, err)
         end if
         if (failed(err)) return
-        call move_cut_walls(air, p, c, 0.0_dp, err)
+        call move_cut_walls(air, bodies, p, c, 0.0_dp, err)
     end subroutine begin_cut_cells
 
     !> Volume of the gas at the start: what geometry leaves room for, none in pockets.
@@ -86,7 +93,8 @@ contains
                 pockets = 0
                 call for_each_cut_shut_pocket(g, l%n, l%place, l%master, l%ends, l%member, &
                                               l%volume, l%gas, l%shut, pockets, err)
-                if (pockets == 0) exit
+                if (.not. found_by_any(c%ranks, pockets)) exit
+                call share_gas(c)
                 call open_faces(c, 0, err)
             end do
             l%v(:, :l%n) = 0
@@ -96,6 +104,21 @@ contains
             l%impulse(:, :l%n) = 0
         end associate
     end subroutine start_volumes
+
+    !> What room the gas has in the boxes of others, none in pockets.
+    subroutine share_gas(c)
+        type(coupling_t), intent(inout) :: c
+        real(rk) :: table(2, c%wall%cells%n)
+
+        if (.not. several(c%ranks)) return
+        associate (l => c%wall%cells)
+            table(1, :) = l%gas(:l%n)
+            table(2, :) = l%shut(:l%n)
+            call share_columns(c%wall%share, table)
+            l%gas(:l%n) = table(1, :)
+            l%shut(:l%n) = nint(table(2, :))
+        end associate
+    end subroutine share_gas
 
     !> Volumes and clusters as a checkpoint has them.
     subroutine resume_volumes(c, err)

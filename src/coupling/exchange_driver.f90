@@ -38,8 +38,12 @@ contains
         type(error_t), intent(inout) :: err !! exit_device where a GPU fails, as everywhere here
 
         if (c%wall%cells%present) then
-            call move_cut_walls(air, solid, c, dt, err)
-            call keep_velocities(solid, c, err)
+            if (several(solid%ranks)) then
+                call move_cut_walls(air, c%ghost_bodies, c%ghosts, c, dt, err)
+            else
+                call move_cut_walls(air, solid, solid, c, dt, err)
+                call keep_velocities(solid, c, err)
+            end if
         else if (several(solid%ranks)) then
             associate (before => c%ghosts%v_before, seat => c%part%seat)
                 call find_velocities(air, c%ghost_bodies, c%ghosts, c, dt, before, seat, err)
@@ -61,16 +65,20 @@ contains
         real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
         type(error_t), intent(inout) :: err
 
-        if (c%wall%cells%present) then
-            call press_by_cut_cells(solid, c, dt, err)
-        else if (several(solid%ranks)) then
+        if (several(solid%ranks)) then
             ! the ghosts keep theirs when they are renewed
             call for_each_keep_velocity(c%on_gpu, solid%n, solid%wide, solid%stride_d, &
                                         solid%stride_p, solid%v, c%part%seat, solid%v_before, err)
-            call share_impulses(c, err)
-            call press_bodies(c%ghosts, c, dt, err)
-            call stress_faces(solid, c%ghosts, c, err)
+            if (c%wall%cells%present) then
+                call press_by_cut_cells(c%ghosts, c, dt, err)
+            else
+                call share_impulses(c, err)
+                call press_bodies(c%ghosts, c, dt, err)
+                call stress_faces(solid, c%ghosts, c, err)
+            end if
             call send_loads_to_owners(solid, c, err)
+        else if (c%wall%cells%present) then
+            call press_by_cut_cells(solid, c, dt, err)
         else
             call press_bodies(solid, c, dt, err)
             call stress_faces(solid, solid, c, err)
@@ -87,7 +95,9 @@ contains
         integer :: b
 
         if (.not. allocated(solid%bodies)) return
-        if (c%wall%cells%present) then
+        if (c%wall%cells%present .and. several(solid%ranks)) then
+            call load_cut_carriers(c%ghosts, c, load, err)
+        else if (c%wall%cells%present) then
             call load_cut_carriers(solid, c, load, err)
         else
             call sum_loads(solid, c, load, err)
@@ -151,15 +161,19 @@ contains
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
-        if (c%wall%cells%present) then
-            call renew_cut_cells(air, solid, c, err)
-        else if (several(solid%ranks)) then
+        if (several(solid%ranks)) then
             call offer_window(air, c, err)
             call renew_coupling_ghosts(solid, c, err) ! where all meet
             call see_halo(air, c, .true., err)
-            call share_deferred_sources(c, err)
-            call move_on(air, c%ghost_bodies, c%ghosts, c, err)
+            if (c%wall%cells%present) then
+                call renew_cut_cells(air, solid, c%ghost_bodies, c%ghosts, c, err)
+            else
+                call share_deferred_sources(c, err)
+                call move_on(air, c%ghost_bodies, c%ghosts, c, err)
+            end if
             call see_halo(air, c, .false., err)
+        else if (c%wall%cells%present) then
+            call renew_cut_cells(air, solid, solid, solid, c, err)
         else
             call move_on(air, solid, solid, c, err)
         end if

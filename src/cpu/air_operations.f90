@@ -83,9 +83,18 @@ contains
         integer, intent(in) :: i, j, k !! cell
 
         is_cut = .false.
-        if (wall%cells%present) &
-            is_cut = wall%cells%slot(number_of(wall%cells%nodes%n, [i, j, k])) > 0
+        if (wall%cells%present) is_cut = entry_of(wall, [i, j, k]) > 0
     end function is_cut
+
+    !> Entry of a cell in the list of cut cells, 0: not listed.
+    pure integer function entry_of(wall, cell) result(entry)
+        type(wall_t), intent(in) :: wall
+        integer, intent(in) :: cell(3)
+
+        associate (nodes => wall%cells%nodes)
+            entry = wall%cells%slot(number_of(nodes%n, nodes%own(:, 1) - 1 + cell))
+        end associate
+    end function entry_of
 
     !> Has a bad cell been found since the last call, in any process?
     subroutine find_bad(air, found)
@@ -193,7 +202,7 @@ contains
         old(:air%n_var) = air%u(cell(1), cell(2), cell(3), :)
         new(:air%n_var) = old(:air%n_var) + stage%dt*air%rate(cell(1), cell(2), cell(3), :)
         if (is_cut(wall, cell(1), cell(2), cell(3))) new(:air%n_var) = &
-            wall%cells%euler(:air%n_var, wall%cells%slot(number_of(wall%cells%nodes%n, cell)))
+            wall%cells%euler(:air%n_var, entry_of(wall, cell))
     end subroutine euler_step
 
     !> Where the first lost cell of this process is, and what it would have become.

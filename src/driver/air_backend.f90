@@ -52,16 +52,22 @@ contains
     end subroutine attach_no_walls
 
     !> Ghosts where the box of another process begins: its cells.
-    subroutine exchange_ghosts(air, err)
+    subroutine exchange_ghosts(air, wall, err)
         type(air_t), intent(inout) :: air
+        type(wall_t), intent(in) :: wall
         type(error_t), intent(inout) :: err
 
         if (air%on_gpu) then
             call take_ghosts(air%device, err)
         else
             call keep_outside(air)
-            call fetch(air%part%ranks, air%part%halo, air%n_var, air%before + 1 - air%g, &
-                       air%before + air%n + air%g, air%u)
+            associate (lo => air%before + 1 - air%g, hi => air%before + air%n + air%g)
+                if (wall%cells%present) then ! clusters reach farther than stencils
+                    call fetch(air%part%ranks, air%part%coupling_halo, air%n_var, lo, hi, air%u)
+                else
+                    call fetch(air%part%ranks, air%part%halo, air%n_var, lo, hi, air%u)
+                end if
+            end associate
         end if
     end subroutine exchange_ghosts
 

@@ -80,7 +80,7 @@ contains
         status = air_ok
         call fill_ghosts(air, wall, err)
         call sweep_all(air, wall, stage, err)
-        if (wall%cells%present) call find_cut_rates(air, wall%cells, stage, 0, err)
+        if (wall%cells%present) call find_cut_rates(air, wall, stage, 0, err)
         if (.not. last) call offer_next(air, err)
         call find_bad(air, found, err)
         if (found) call repair(air, wall, stage, status, err)
@@ -99,7 +99,7 @@ contains
         type(wall_t), intent(in) :: wall
         type(error_t), intent(inout) :: err
 
-        call exchange_ghosts(air, err)
+        call exchange_ghosts(air, wall, err)
         call for_each_fill_end(air%on_gpu, 2*air%grid%lines, air%grid, air%scheme, air%outside, &
                                wall%solid, air%u, err)
     end subroutine fill_ghosts
@@ -166,7 +166,7 @@ contains
         integer, intent(in) :: task !! to_redo, ...
         type(error_t), intent(inout) :: err
 
-        if (wall%cells%present) call redo_cut_cells(air, wall%cells, stage, pass, task, err)
+        if (wall%cells%present) call redo_cut_cells(air, wall, stage, pass, task, err)
         call redo(air, wall, stage, pass, task, err)
     end subroutine redo_all
 

@@ -2,13 +2,17 @@
 !> What cut cells do in a step of the air, beside the sweeps.
 module brz_cut_rate_driver
     use brz_air_grid, only: stage_t
-    use brz_air_state, only: air_t
+    use brz_air_state, only: air_t, wall_t
     use brz_cut_cells, only: cut_cells_t
+    use brz_cut_share, only: found_by_any, put_states, share_columns, states_of
     use brz_cut_loops, only: for_each_cut_count_moving, for_each_cut_finish, for_each_cut_join, &
         for_each_cut_rate, for_each_cut_reach
     use brz_errors, only: error_t
     use brz_fallback_loop_bodies, only: to_redo
+    use brz_kinds, only: rk
     use brz_lists, only: clear_reals
+    use brz_ranks, only: several
+    use brz_scheme, only: max_var
     implicit none
     private
     public :: ready_cut_cells, find_cut_rates, redo_cut_cells
@@ -25,43 +29,61 @@ contains
         call clear_reals(air%on_gpu, 3*cells%n, cells%impulse, err)
         moving = 0
         call for_each_cut_count_moving(air%on_gpu, cells%n, cells%v, moving, err)
-        if (moving > 0) call for_each_cut_reach(air%on_gpu, cells%n, cells%nodes, cells%cell, &
-                                                cells%place, air%reached, err)
+        if (found_by_any(air%part%ranks, moving)) call for_each_cut_reach(air%on_gpu, cells%n, &
+            cells%nodes, cells%cell, cells%place, air%reached, err)
     end subroutine ready_cut_cells
 
     !> Rates of the cut cells in place of those that the sweeps have given them, and marks of those
     !> that they would leave bad.
-    subroutine find_cut_rates(air, cells, stage, pass, err)
+    subroutine find_cut_rates(air, wall, stage, pass, err)
         type(air_t), intent(inout) :: air
-        type(cut_cells_t), intent(inout) :: cells
+        type(wall_t), intent(inout) :: wall
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: pass !! marks up to this one count
         type(error_t), intent(inout) :: err
 
-        associate (c => cells)
+        associate (c => wall%cells)
             call for_each_cut_rate(air%on_gpu, c%n, c%nodes, air%scheme, stage, pass, c%cell, &
                 c%place, c%beside, c%shut, c%aperture, c%area, c%middle, c%v, c%master, air%bad, &
                 air%u, air%edge, c%rate, c%push, err)
+            if (several(air%part%ranks)) call share_rates(air, wall, stage)
             call for_each_cut_join(air%on_gpu, c%n, c%nodes, stage, c%place, c%master, c%ends, &
                                    c%member, c%volume, c%swept, c%rate, air%u, air%u_start, &
                                    c%joined, c%euler, err)
         end associate
-        call finish_cut_cells(air, cells, stage, pass, to_redo, err)
+        call finish_cut_cells(air, wall%cells, stage, pass, to_redo, err)
     end subroutine find_cut_rates
 
-    !> Compute the cut cells again, or look at marked ones.
-    subroutine redo_cut_cells(air, cells, stage, pass, task, err)
+    !> Rates of the cells of others, and their states at the start of the step: members of a cluster
+    !> may be in boxes of several processes.
+    subroutine share_rates(air, wall, stage)
         type(air_t), intent(inout) :: air
-        type(cut_cells_t), intent(inout) :: cells
+        type(wall_t), intent(inout) :: wall
+        type(stage_t), intent(in) :: stage
+        real(rk) :: table(max_var + merge(0, air%n_var, stage%first == 1), wall%cells%n)
+
+        associate (c => wall%cells)
+            table(:max_var, :) = c%rate(:, :c%n)
+            if (stage%first == 0) table(max_var + 1:, :) = states_of(c, air%u_start)
+            call share_columns(wall%share, table)
+            c%rate(:, :c%n) = table(:max_var, :)
+            if (stage%first == 0) call put_states(c, table(max_var + 1:, :), air%u_start)
+        end associate
+    end subroutine share_rates
+
+    !> Compute the cut cells again, or look at marked ones.
+    subroutine redo_cut_cells(air, wall, stage, pass, task, err)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: pass !! marks up to this one count
         integer, intent(in) :: task !! to_redo, ...
         type(error_t), intent(inout) :: err
 
         if (task == to_redo) then
-            call find_cut_rates(air, cells, stage, pass, err)
+            call find_cut_rates(air, wall, stage, pass, err)
         else
-            call finish_cut_cells(air, cells, stage, pass, task, err)
+            call finish_cut_cells(air, wall%cells, stage, pass, task, err)
         end if
     end subroutine redo_cut_cells
 

@@ -6,6 +6,7 @@ module brz_checkpoint_check
     use brz_bond_marks, only: bond_breaks
     use brz_clock, only: clock_t
     use brz_coupling_state, only: coupling_t
+    use brz_cut_cells, only: cut_before_t
     use brz_errors, only: error_t, exit_io, failed, raise
     use brz_kinds, only: dp, int32
     use brz_particle_marks, only: is_gone
@@ -34,14 +35,35 @@ contains
         if (coupling%present) then
             if (allocated(coupling%wall%solid)) &
                 call demand(all(within(int(coupling%wall%solid), 1)), 'coupling/solid', name)
-            associate (cell => coupling%deferred_cell(:coupling%n_deferred))
-                call demand(all(cell >= 1 .and. cell <= product(real(air%whole, dp))), &
-                            'coupling/debt_cell', name)
-            end associate
+            if (coupling%n_deferred > 0) call demand( &
+                all(is_cell(coupling%deferred_cell(:coupling%n_deferred), air%whole)), &
+                'coupling/debt_cell', name)
+            if (coupling%wall%cells%present) call check_cut_cells(coupling%wall%cells%before, &
+                                                                  air%whole + 1, name)
         end if
         if (name /= '') call raise(err, exit_io, path//": '"//name// &
                                    "' is out of its range: Brisance did not write this file")
     end subroutine check_state
+
+    !> Cut cells are numbered among the nodes of the grid.
+    subroutine check_cut_cells(cells, nodes, name)
+        type(cut_before_t), intent(in) :: cells
+        integer, intent(in) :: nodes(3)
+        character(:), allocatable, intent(inout) :: name
+
+        call demand(all(is_cell(cells%cell, nodes)), 'coupling/cell', name)
+        call demand(all(cells%master >= 1 .and. cells%master <= cells%n), 'coupling/master', name)
+        call demand(all(within(int(cells%shut), 1)), 'coupling/shut', name)
+    end subroutine check_cut_cells
+
+    !> True for numbers of cells of a grid.
+    pure function is_cell(number, n)
+        integer(int32), intent(in) :: number(:)
+        integer, intent(in) :: n(3) !! cells of the grid
+        logical :: is_cell(size(number))
+
+        is_cell = number >= 1 .and. number <= product(real(n, dp))
+    end function is_cell
 
     !> Note the name of an array unless its values are possible, or one is noted already.
     subroutine demand(possible, name, first)

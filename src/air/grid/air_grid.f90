@@ -6,7 +6,7 @@ module brz_air_grid
     use brz_scheme, only: max_var
     implicit none
     private
-    public :: grid_t, stage_t, grid_of, place_of, variable_in_slot, cell_at, number_of
+    public :: grid_t, stage_t, grid_of, place_of, variable_in_slot, cell_at, number_of, is_between
     public :: first_cell, line_start, lines_along, faces_of_bricks
     public :: rate_none, rate_in_flux, rate_in_new, near_cut
     public :: faces_of_a_thread
@@ -131,6 +131,22 @@ contains
 
         number = ijk(1) + n(1)*((ijk(2) - 1) + n(2)*(ijk(3) - 1))
     end function number_of
+
+    !> True for a cell in a range, from its number.
+    !@cuf attributes(host,device) &
+    pure function is_between(n, range, number) result(between)
+        integer, intent(in) :: n(3)
+        integer, intent(in) :: range(3, 2) !! first and last cell
+        integer(int32), intent(in) :: number
+        logical :: between
+        integer :: d, ijk(3)
+
+        ijk = cell_at(n, number)
+        between = .true.
+        do d = 1, 3
+            between = between .and. ijk(d) >= range(d, 1) .and. ijk(d) <= range(d, 2)
+        end do
+    end function is_between
 
     !> Number of lines of cells along direction d.
     !@cuf attributes(host,device) &

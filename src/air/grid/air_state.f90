@@ -5,6 +5,7 @@ module brz_air_state
     use brz_air_grid, only: brick, grid_t
     use brz_air_part, only: air_part_t
     use brz_cut_cells, only: cut_cells_t
+    use brz_cut_share, only: cut_share_t
     use brz_boundary_codes, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall
     use brz_inflow_history, only: inflow_t
     use brz_kinds, only: dp, int8, int64, rk
@@ -146,6 +147,7 @@ module brz_air_state
         type(cut_t) :: cut(3) !! for the sweeps, one for each direction
         type(cut_cells_t) :: cells !! cut cells, in place of all lists above; `solid` holds the
                                    !! cells without gas
+        type(cut_share_t) :: share !! of cut cells with other processes
         integer, allocatable :: seen(:, :)
         !! (3, n) where the walls are on a GPU: cells near gauges that hold solid, for a row
         real(rk), allocatable :: seen_v(:, :) !! (3, n) their velocities [m/s]

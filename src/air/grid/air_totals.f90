@@ -80,9 +80,9 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: total(7)
 
-        call for_each_cut_lack(air%on_gpu, cells%n, air%part%ranks, air%n_var, &
-                               cells%nodes%grid%apart, cells%place, cells%shut, cells%volume, &
-                               cells%kept, air%u, total, err)
+        call for_each_cut_lack(air%on_gpu, cells%n, air%part%ranks, cells%nodes, air%n_var, &
+                               cells%nodes%grid%apart, cells%cell, cells%place, cells%shut, &
+                               cells%volume, cells%kept, air%u, total, err)
         sums = sums + total
     end subroutine leave_out
 

@@ -5,7 +5,8 @@
 !> The list has all cells within `near` cells of one that holds particles, in memory order of the
 !> grid of nodes: entry s is the cell with that number, and the node at its low corner. At the high
 !> end of a direction there is one more node than cells; an entry there is a node alone. All other
-!> cells are gas with open faces.
+!> cells are gas with open faces. Of several processes each has a list of its halo, whose entries in
+!> the boxes of others hold what these have found, see brz_cut_share.
 !>
 !> Lengths, areas and volumes in arrays are in cells, and faces go by 2d - 1 (low) and 2d (high).
 module brz_cut_cells
@@ -23,8 +24,13 @@ module brz_cut_cells
     type :: node_grid_t
         integer :: n(3) = 1 !! nodes; 1 where a direction is not modelled
         integer :: cells(3) = 1
+        integer :: whole(3) = 1 !! cells of the grid
+        integer :: before(3) = 0 !! cells of the grid before the first: on several processes the box
+                                 !! is a halo
+        integer :: own(3, 2) = 1 !! first and last cell of this process
         integer :: dimensions = 0 !! directions that are modelled
-        real(dp) :: lo(3) = 0, dx(3) = 1 !! low corner and sides of a cell [m]
+        real(dp) :: lo(3) = 0 !! low corner of the grid [m]
+        real(dp) :: dx(3) = 1 !! sides of a cell [m]
         real(rk) :: area(3) = 1 !! of the faces normal to each direction [m2]
         real(rk) :: volume = 1 !! of a cell [m3]
         type(grid_t) :: grid !! of the air
@@ -41,6 +47,7 @@ module brz_cut_cells
         logical :: present = .false.
         type(node_grid_t) :: nodes
         integer :: n = 0 !! entries of the list
+        integer(int64) :: rebuilds = -1 !! of the bodies' lists when it was made
         integer(int32), allocatable :: slot(:) !! (nodes) place in the list, 0: not listed
         integer(int8), allocatable :: mark(:) !! (nodes) work map of a new list
         integer(int8), allocatable :: next_mark(:)
@@ -101,6 +108,8 @@ module brz_cut_cells
         real(rk), allocatable :: impulse(:, :) !! (3, n) likewise in the step
         ! particles
         integer(int32), allocatable :: home(:) !! (particles) entry of its cell, 0: outside
+        integer(int32), allocatable :: was_in(:) !! (particles of one of several processes) cell of
+                                                 !! the grid
         integer(int32), allocatable :: bin_ends(:), binned(:) !! particles by entry
         real(rk), allocatable :: radius(:) !! (particles) of the ball of a thin part, 0: none
     end type cut_cells_t

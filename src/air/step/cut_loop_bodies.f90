@@ -11,7 +11,7 @@
 !> plain update of a stage, u0 + b (u - u0 + dt rate), is that of its content over its volume.
 module brz_cut_loop_bodies
     use brz_air_boundary, only: beyond_wall
-    use brz_air_grid, only: brick_of, cell_at, stage_t, variable_in_slot
+    use brz_air_grid, only: brick_of, cell_at, is_between, stage_t, variable_in_slot
     use brz_boundary_codes, only: bc_outflow
     use brz_cut_cells, only: bare, node_grid_t
     use brz_face_flux, only: cut_face, cut_fraction
@@ -61,7 +61,7 @@ contains
         do d = 1, 3
             push(d, s) = 0
         end do
-        if (place(s) == 0) return
+        if (place(s) == 0 .or. .not. is_between(nodes%n, nodes%own, cell(s))) return
         ijk = cell_at(nodes%n, cell(s))
         if (shut(s) /= 0) then
             do d = 1, 3
@@ -263,15 +263,19 @@ contains
         real(rk), intent(in) :: f(max_var) !! flux, normal momentum in slot 2
         real(rk), intent(inout) :: edge(*) !! (lines, n_var, 2) fluxes through the outer faces
         real(rk) :: passes(max_var)
-        integer :: c, line
+        integer :: at(3), c, e, line
 
-        if (ijk(d) /= merge(1, nodes%cells(d), side == 0)) return
-        line = merge(ijk(2), ijk(1), d == 1) &
-               + (merge(ijk(2), ijk(3), d == 3) - 1)*nodes%cells(merge(2, 1, d == 1))
+        if (ijk(d) /= nodes%own(d, 1 + side)) return
+        do e = 1, 3
+            at(e) = ijk(e) - nodes%own(e, 1) + 1
+        end do
+        e = merge(2, 1, d == 1)
+        line = merge(at(2), at(1), d == 1) &
+               + (merge(at(2), at(3), d == 3) - 1)*(nodes%own(e, 2) - nodes%own(e, 1) + 1)
         do c = 1, max_var
             passes(c) = share*f(c)
         end do
-        call put_edge(d, nodes%grid, line, ijk(d) - 1 + side, passes, edge)
+        call put_edge(d, nodes%grid, line, side*nodes%grid%n(d), passes, edge)
     end subroutine keep_edge
 
     !> Pressure at the wall on its area, and its work.
@@ -453,7 +457,7 @@ contains
         integer(int64) :: at, p
         integer :: c, ijk(3)
 
-        if (place(s) == 0) return
+        if (place(s) == 0 .or. .not. is_between(nodes%n, nodes%own, cell(s))) return
         at = place(s)
         ijk = cell_at(nodes%n, cell(s))
         if (task /= to_redo) then
@@ -498,10 +502,13 @@ contains
         type(node_grid_t), intent(in) :: nodes
         integer(int32), intent(in) :: cell(*), place(*)
         integer(int8), intent(inout) :: reached(*) !! (bricks)
-        integer :: ijk(3)
+        integer :: d, ijk(3)
 
-        if (place(s) == 0) return
+        if (place(s) == 0 .or. .not. is_between(nodes%n, nodes%own, cell(s))) return
         ijk = cell_at(nodes%n, cell(s))
+        do d = 1, 3
+            ijk(d) = ijk(d) - nodes%own(d, 1) + 1
+        end do
         reached(brick_of(nodes%grid, ijk(1), ijk(2), ijk(3))) = 1_int8
     end subroutine cut_reach
 end module brz_cut_loop_bodies

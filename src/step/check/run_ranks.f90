@@ -40,7 +40,8 @@ contains
         if (n < 2 .or. failed(err) .or. .not. case%air%present) return
         if (is_radial(case)) return ! the first one does it
         most = most_boxes(case%air%cells, brick, uncut(case))
-        if (size(case%bodies) > 0 .and. case%coupling%scheme /= 'wall_flux') then
+        if (size(case%bodies) > 0 .and. (case%coupling%scheme == 'paper' .or. &
+            case%coupling%scheme == 'cut_cells' .and. case%run%backend == 'gpu')) then
             call raise(err, exit_deck, "this version does not have the coupling scheme='"// &
                        trim(case%coupling%scheme)//"' on several processes ("//to_text(n)// &
                        ' are wanted): run one, with '// &
