@@ -37,6 +37,7 @@ contains
         integer :: missed
 
         call introduce(solid, c%ghost_bodies)
+        call give_seats(c, solid%n, err) ! there may be more than when ghosts were listed
         missed = merge(0, 1, c%part%rebuilds == times_laid(solid))
         if (missed == 0) then
             ! as others do when loads come home
@@ -129,14 +130,25 @@ contains
         call size_coupling_ghosts(c, n, pressed, err)
         associate (part => c%part)
             call place_pieces(c%on_gpu, number, taken, part%marks, part%in, err)
-            n = max(n, particles)
-            if (room_of(part%seat) >= n) return
-            call at_least(c%on_gpu, part%seat, n, err)
+        end associate
+        call give_seats(c, max(n, particles), err)
+    end subroutine seat_coupling_ghosts
+
+    !> The numbers 1, 2, 3, ... for as many particles, those of this process or ghosts.
+    subroutine give_seats(c, particles, err)
+        type(coupling_t), intent(inout) :: c
+        integer, intent(in) :: particles
+        type(error_t), intent(inout) :: err
+        integer :: n
+
+        associate (part => c%part)
+            if (room_of(part%seat) >= particles) return
+            call at_least(c%on_gpu, part%seat, particles, err)
             n = room_of(part%seat)
             call put_list(c%on_gpu, [n, 0], part%marks%pieces, err)
             call for_each_give_place(c%on_gpu, n, 1, part%marks%pieces, part%seat, err)
         end associate
-    end subroutine seat_coupling_ghosts
+    end subroutine give_seats
 
     !> Room for n ghosts; those that were there are gone.
     subroutine size_coupling_ghosts(c, n, pressed, err)
