@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Curvature of walls. The fill by tent weights lies inside a curved surface by its curvature times
-!> h^2/12 (variance of the tent), and a facet through the cuts of edges by as much again (mean sag of
-!> a square facet, or a chord): the distance of a node to the wall makes up for both.
+!> h^2/12 (variance of the tent), and a facet through the cuts of edges by as much again (mean sag
+!> of a square facet, or a chord): the distance of a node to the wall makes up for both.
 !>
 !> Curvature is the divergence of the normal of the fill, smoothed by binomial weights. It is none
 !> for planes, and where a body is so thin or small that the smoothed fill has no gradient.
@@ -14,7 +14,7 @@ module brz_cut_curvature_loop_bodies
     private
     public :: cut_smooth_fill, cut_find_normal, cut_find_sag
 
-    real(rk), parameter :: least_slope = 0.1_rk !! of the smoothed fill that has a direction [1/cell]
+    real(rk), parameter :: least_slope = 0.1_rk !! of a fill that has a direction [1/cell]
     real(rk), parameter :: sag_share = 1/6.0_rk !! of a surface, over its curvature, in cells
     real(rk), parameter :: most_sag = 0.2_rk !! cells
 

@@ -22,7 +22,8 @@ module brz_cut_driver
         for_each_cut_widen
     use brz_cut_load_loops, only: for_each_cut_bear, for_each_cut_feel, for_each_cut_find_bearing, &
         for_each_cut_load_particle, for_each_cut_record
-    use brz_cut_node_loops, only: for_each_cut_fill_corner, for_each_cut_fill_node, for_each_cut_find_ball, &
+    use brz_cut_node_loops, only: for_each_cut_fill_corner, for_each_cut_fill_node, &
+        for_each_cut_find_ball, &
         for_each_cut_find_distance, for_each_cut_find_largest, for_each_cut_find_thickest, &
         for_each_cut_search_octant, for_each_cut_see_fill
     use brz_cut_share, only: found_by_any, list_shared, share_columns, share_marks, share_masters, &

@@ -12,7 +12,8 @@ module brz_cut_node_loop_bodies
     use brz_kinds, only: dp, int32, rk
     implicit none
     private
-    public :: cut_fill_corner, cut_fill_node, cut_see_fill, cut_find_thickest, cut_find_ball, cut_find_largest, &
+    public :: cut_fill_corner, cut_fill_node, cut_see_fill, cut_find_thickest, cut_find_ball, &
+        cut_find_largest, &
         cut_find_distance, cut_search_octant
     public :: tent, place_in_cells
 
@@ -54,8 +55,8 @@ contains
     !> by side read the same particles. See cut_fill_node for the rows.
     !@loop_body if(n >= worth_threads) schedule(dynamic, 256)
     !@cuf attributes(host,device) &
-    pure subroutine cut_fill_corner(t, nodes, wide, stride_w, stride_d, stride_p, free, cell, ends, &
-                                    binned, x, v, mass, volume, load, v_before, id, sums, top)
+    pure subroutine cut_fill_corner(t, nodes, wide, stride_w, stride_d, stride_p, free, cell, &
+                                    ends, binned, x, v, mass, volume, load, v_before, id, sums, top)
         integer, intent(in) :: t !! corners of entries
         type(node_grid_t), intent(in) :: nodes
         integer, intent(in) :: wide, stride_w !! rows of x and v; distance of volumes

@@ -38,7 +38,8 @@ contains
             cells = minval((hi - lo)*air%cells/(air%hi - air%lo), air%cells > 1)
         end associate
         write (across, '(f20.1)') cells
-        text = '             in the air '//trim(adjustl(across))//' cells across its smallest side: '
+        text = '             in the air '//trim(adjustl(across))//' cells across '// &
+               'its smallest side: '
         if (case%bodies(b)%shape == 'box') then
             text = text//'the impulse of a blast on its faces is within 1 %'
         else if (case%coupling%scheme == 'cut_cells') then
