@@ -237,8 +237,7 @@ contains
         call add_group(keys, 'coupling', 'How air and bodies meet.', [ &
             words('scheme', 'wall_flux: fluxes at walls, nothing is lost. paper: as the paper '// &
                 'prints it, solid cells filled with gas, to compare; it loses mass. '// &
-                'cut_cells: walls where they are, through cells, for bodies that are rigid '// &
-                'or held.', &
+                'cut_cells: walls where they are, through cells.', &
                 default='wall_flux', choices='wall_flux|paper|cut_cells'), &
             number('spread', '-', 'Depth over which a surface load is spread into a body, in '// &
                 'air cells.', default='1.5', above=zero, upper=10*one), &
