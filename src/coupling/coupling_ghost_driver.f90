@@ -38,7 +38,7 @@ contains
 
         call introduce(solid, c%ghost_bodies)
         call give_seats(c, solid%n, err) ! there may be more than when ghosts were listed
-        missed = merge(0, 1, c%part%rebuilds == times_laid(solid))
+        missed = merge(0, 1, c%part%rebuilds == solid%laid)
         if (missed == 0) then
             ! as others do when loads come home
             call for_each_keep_velocity(c%on_gpu, c%ghosts%n, c%ghosts%wide, 1, 3, c%ghosts%v, &
@@ -58,19 +58,11 @@ contains
             call list_coupling_ghosts(solid, c, err)
             call send_coupling_ghosts(solid, c, .true., err)
             call list_now(solid, c%part%since)
-            c%part%rebuilds = times_laid(solid)
+            c%part%rebuilds = solid%laid
             c%rebuilds = -1 ! a ghost's place was another one's
         end if
         call sum_shifts(solid, solid, c, err)
     end subroutine renew_coupling_ghosts
-
-    !> How often particles have got other places.
-    pure integer(int64) function times_laid(solid)
-        class(particles_t), intent(in) :: solid
-
-        times_laid = solid%rebuilds
-        if (solid%on_gpu) times_laid = solid%laid
-    end function times_laid
 
     !> List the particles in the halos and a layer around, and give them places there.
     subroutine list_coupling_ghosts(solid, c, err)

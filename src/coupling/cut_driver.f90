@@ -8,7 +8,7 @@ module brz_cut_driver
     use brz_cell_loops, only: for_each_count_kind, for_each_list_kind
     use brz_coupling_device, only: diag_at, diag_work
     use brz_coupling_state, only: coupling_t
-    use brz_cut_cells, only: at_corner, cut_cells_t, node_grid_t
+    use brz_cut_cells, only: at_corner, cut_cells_t
     use brz_cut_cluster_loops, only: for_each_cut_adopt, for_each_cut_follow, &
         for_each_cut_mean_state, for_each_cut_point, for_each_cut_weigh
     use brz_cut_curvature_loops, only: for_each_cut_find_normal, for_each_cut_find_sag, &
@@ -26,7 +26,7 @@ module brz_cut_driver
         for_each_cut_find_ball, &
         for_each_cut_find_distance, for_each_cut_find_largest, for_each_cut_find_thickest, &
         for_each_cut_search_octant, for_each_cut_see_fill
-    use brz_cut_share, only: found_by_any, list_shared, share_columns, share_marks, share_masters, &
+    use brz_cut_share, only: list_shared, share_columns, share_marks, share_masters, &
         share_numbers
     use brz_cut_shape_loops, only: for_each_cut_close, for_each_cut_open, for_each_cut_shape
     use brz_driven_body_driver, only: put_driven_bodies
@@ -34,11 +34,12 @@ module brz_cut_driver
     use brz_driven_body_rules, only: carries_all, carries_none, n_push
     use brz_errors, only: error_t
     use brz_formulation_names, only: form_rigid
-    use brz_kinds, only: dp, int32, rk
+    use brz_kinds, only: dp, int32, int64, rk
     use brz_lists, only: at_least, clear_list, clear_map, count_in_bins, put_in_bins, running_sum, &
         swap
     use brz_near_walls, only: see_cut_cells
-    use brz_ranks, only: several
+    use brz_particle_marks, only: is_gone
+    use brz_ranks, only: several, sum_of_all
     use brz_scheme, only: max_var
     use brz_bodies, only: bodies_t
     implicit none
@@ -67,7 +68,7 @@ contains
             moved = 0
             call for_each_cut_cell_of(c%on_gpu, p%n, cells%nodes, p%wide, p%x, p%fixed, c%cell_of, &
                                       moved, err)
-            if (several(c%ranks)) call count_moved(solid, c, moved, err)
+            if (several(c%ranks)) call count_moved(solid, c, moved)
             renewed = moved > 0 .or. solid%rebuilds /= cells%rebuilds
             cells%rebuilds = solid%rebuilds
             if (renewed) then
@@ -89,30 +90,38 @@ contains
         end associate
     end subroutine find_cut_cells
 
-    !> How many particles have left their cell of the grid: 0 where none of any process has.
-    subroutine count_moved(solid, c, moved, err)
+    !> Has a particle of any process left its cell of the grid? Told by sums of hashes of numbers
+    !> and cells: places, and the processes that have a particle, change between two lists.
+    subroutine count_moved(solid, c, moved)
         class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: c
-        integer, intent(out) :: moved
-        type(error_t), intent(inout) :: err
-        type(node_grid_t) :: grid
-        integer :: b
+        integer, intent(out) :: moved !! 0: none has
+        integer(int64), parameter :: prime = 2147483647, factor(2) = [48271_int64, 69621_int64]
+        integer(int64) :: hash(2), sums(2)
+        integer :: b, d, i, ijk(3)
+        real(dp) :: s(3)
 
-        moved = 0
-        grid = c%wall%cells%nodes
-        grid%before = 0
-        grid%cells = grid%whole
-        grid%n = merge(grid%whole + 1, 1, grid%whole > 1)
-        call at_least(.false., c%wall%cells%was_in, solid%n, err)
-        associate (was_in => c%wall%cells%was_in)
+        sums = 0
+        associate (nodes => c%wall%cells%nodes)
             do b = 1, size(solid%bodies)
-                associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)
-                    call for_each_cut_cell_of(.false., last - first + 1, grid, solid%wide, &
-                        solid%x(:, first:), solid%fixed(first:), was_in(first:), moved, err)
-                end associate
+                do i = solid%bodies(b)%first, solid%bodies(b)%last
+                    s = (solid%x(:3, i) - nodes%lo)/nodes%dx
+                    ijk = 0 ! outside, see cut_cell_of
+                    if (solid%fixed(i) /= is_gone .and. &
+                        all(nodes%whole == 1 .or. s > -1 .and. s < nodes%whole + 1)) &
+                        ijk = merge(max(1, min(nodes%whole, floor(s) + 1)), 1, nodes%whole > 1)
+                    hash = solid%id(i)
+                    do d = 1, 3
+                        hash = mod(factor*hash + ijk(d), prime)
+                        hash = mod(hash*hash + d, prime)
+                    end do
+                    sums = sums + hash
+                end do
             end do
         end associate
-        moved = merge(1, 0, found_by_any(c%ranks, moved))
+        call sum_of_all(c%ranks, sums)
+        moved = merge(0, 1, all(sums == c%wall%cells%whereabouts))
+        c%wall%cells%whereabouts = sums
     end subroutine count_moved
 
     !> The list of the cells within `near` cells of a particle.

@@ -174,11 +174,11 @@ contains
                 call take_ghosts(solid, whole, out(:n, :), all(:n, :, :), err)
             anew = anew .or. whole .or. sum(sum(all(:n, :, :), 3), 2) > 0
         end associate
+        solid%laid = solid%laid + 1
         if (.not. solid%on_gpu) return
         call note_ranges(solid%bodies, solid%n, solid%device, err)
         solid%device%fetched = .false.
         solid%device%summed = .false.
-        solid%laid = solid%laid + 1
     end subroutine lay_ghosts
 
     !> Send the marked particles to others as ghosts, and take in those that come, behind the ghosts

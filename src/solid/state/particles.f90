@@ -32,7 +32,7 @@ module brz_particles
         real(dp) :: dt_last = 0 !! last time step [s]
         integer(int64) :: steps = 0
         integer(int64) :: rebuilds = 0 !! of lists of neighbours, where particles change places
-        integer(int64) :: laid = 0 !! on a GPU: how often those of several processes got others
+        integer(int64) :: laid = 0 !! how often those of several processes got others
         real(dp), allocatable :: x(:, :) !! (3, n) position [m]
         real(dp), allocatable :: x_ref(:, :) !! (3, n) position in the unloaded body [m]
         real(dp), allocatable :: x_built(:, :) !! (3, n) position when the list was built [m]
