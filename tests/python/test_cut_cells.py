@@ -59,3 +59,16 @@ def test_a_thrown_disc_keeps_the_books(tmp_path):
         speeds.append(bodies["disc:velocity_x[m/s]"][-1])
     assert speeds[0] == pytest.approx(202.3, rel=0.01)
     assert speeds[0] < 0.95 * speeds[1]
+
+
+@pytest.mark.parametrize(
+    "scheme, words",
+    [("cut_cells", "within 7 %"), ("wall_flux", "some 50 % too large")],
+)
+def test_the_check_tells_the_cells_across_a_body(scheme, words, tmp_path):
+    """The disc has ten cells across: 490 and 73 % over them, see print_walls.f90."""
+    (tmp_path / "scene.nml").write_text(deck("disc.nml", scheme=scheme))
+    done = subprocess.run([BRISANCE, "run", "scene.nml", "--check"], cwd=tmp_path, env=ALONE,
+                          capture_output=True, text=True)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "10.0 cells across its smallest side: the impulse of a blast is " + words in done.stdout
