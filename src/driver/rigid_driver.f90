@@ -18,7 +18,7 @@ module brz_rigid_driver
     use brz_push_layout, only: push_layout_t
     use brz_rigid_pose, only: pose_of, resting_pose
     use brz_solid_backend, only: add_held_impulse
-    use brz_solid_diagnostics, only: begin_motion, end_motion, record_drag, record_drive
+    use brz_solid_diagnostics, only: begin_motion, end_motion, record_drag, record_drive, size_work
     use brz_bodies, only: bodies_t
     use brz_listed_bodies, only: listed_bodies_t
     use brz_interacting_bodies, only: interacting_bodies_t
@@ -132,6 +132,7 @@ contains
         type(push_layout_t) :: lay
         integer :: b
 
+        if (.not. solid%on_gpu) call size_work(solid)
         lay = layout_of_pushes(solid)
         do b = 1, merge(size(solid%bodies), 0, solid%links%present .and. dt > 0)
             associate (body => solid%bodies(b), there => solid%bodies(b), l => solid%links)

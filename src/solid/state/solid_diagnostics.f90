@@ -19,6 +19,7 @@ module brz_solid_diagnostics
     public :: diagnostics_t, open_all_diagnostics, close_all_diagnostics, &
         keep_diagnostics_of_first, begin_kick
     public :: record_work, record_material, record_forces, record_contact, record_drag
+    public :: size_work
     public :: record_drive, begin_motion, end_motion, record_rigid_load, add_held_impulse
 
     type(energy_account_t), parameter :: empty = energy_account_t()
@@ -55,6 +56,16 @@ contains
     !> Room for what loop bodies record of particles; it is kept from one step to the next.
     subroutine begin_kick(solid)
         class(listed_bodies_t), intent(inout) :: solid
+
+        call size_work(solid)
+        if (.not. allocated(solid%moved)) allocate (solid%moved(lost_level, size(solid%bodies)))
+        solid%moved = 0
+    end subroutine begin_kick
+
+    !> Room for the work on each particle, also on those that have come since the kick; it is none
+    !> between two uses.
+    subroutine size_work(solid)
+        class(listed_bodies_t), intent(inout) :: solid
         integer :: n
 
         n = 0
@@ -63,9 +74,7 @@ contains
             if (size(solid%work) < n) deallocate (solid%work)
         end if
         if (.not. allocated(solid%work)) allocate (solid%work(n), source=0.0_dp)
-        if (.not. allocated(solid%moved)) allocate (solid%moved(lost_level, size(solid%bodies)))
-        solid%moved = 0
-    end subroutine begin_kick
+    end subroutine size_work
 
     !> Record the work of the loads in a kick, block by block: from `kick_and_drift` of
     !> brz_motion_loop_bodies.
