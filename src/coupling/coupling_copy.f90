@@ -185,6 +185,7 @@ contains
 
         associate (n => cells%n)
             if (n == 0) return
+            call update_host(cells%cell(:n), err)
             call update_host(cells%volume(:n), err)
             call update_host(cells%kept(:, :n), err)
             call update_host(cells%shut(:n), err)
@@ -200,8 +201,8 @@ contains
         call snapshot%note([buffer_of(c%wall%solid), c%device%diag%buffer_t])
         if (c%wall%cells%present) then
             associate (l => c%wall%cells)
-                call snapshot%note([buffer_of(l%volume), buffer_of(l%kept), buffer_of(l%shut), &
-                                    buffer_of(l%master)])
+                call snapshot%note([buffer_of(l%cell), buffer_of(l%volume), buffer_of(l%kept), &
+                                    buffer_of(l%shut), buffer_of(l%master)])
             end associate
         else
             call snapshot%note([buffer_of(c%wall%v), buffer_of(c%deferred_cell), &

@@ -21,10 +21,8 @@ module brz_coupling_setup
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_reclassification_driver, only: put_up_walls
     use brz_face_stress, only: spread_shares
-    use brz_formulation_names, only: form_rigid
     use brz_coupling_ghost_driver, only: renew_coupling_ghosts
     use brz_kinds, only: dp, int32, real32, rk
-    use brz_particle_marks, only: is_fixed
     use brz_positivity, only: floors_of
     use brz_ranks, only: several
     use brz_shared_driver, only: put_halos
@@ -53,7 +51,7 @@ contains
         end if
         if (failed(err)) return
         if (case%coupling%scheme == 'cut_cells') then
-            call refuse_cut_cells(case, air, solid, err)
+            call refuse_cut_cells(air, err)
             if (failed(err)) return
             call judge_spacing(case, air, solid)
         end if
@@ -142,18 +140,13 @@ contains
     end subroutine couple
 
     !> Refuse what this version does not compute by cut cells.
-    subroutine refuse_cut_cells(case, air, solid, err)
-        type(case_t), intent(in) :: case
+    subroutine refuse_cut_cells(air, err)
         type(air_t), intent(in) :: air
-        class(bodies_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
-        character(*), parameter :: how = "this version does not have the coupling "// &
-            "scheme='cut_cells' "
 
-        if (any(air%bc == bc_periodic .and. spread(air%n > 1, 1, 2))) then
-            call raise(err, exit_deck, how//'in a periodic box: take wall_flux')
-            return
-        end if
+        if (any(air%bc == bc_periodic .and. spread(air%n > 1, 1, 2))) call raise(err, exit_deck, &
+            "this version does not have the coupling scheme='cut_cells' in a periodic box: "// &
+            'take wall_flux')
     end subroutine refuse_cut_cells
 
     !> Take out of the surface cells what gas the particles leave no room for, all of the others.

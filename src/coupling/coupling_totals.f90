@@ -27,7 +27,8 @@ contains
         call air_totals(air, coupling%wall, gas, stored, kinetic, products)
         if (coupling%paper) stored = 0 ! there is none: solid cells hold gas that is made up
         remains = 0
-        if (coupling%present) call each_total_deferred_source(coupling%n_deferred, air%part%ranks, &
+        if (coupling%present .and. .not. coupling%wall%cells%present) &
+            call each_total_deferred_source(coupling%n_deferred, air%part%ranks, &
             coupling%box, coupling%n_var, coupling%deferred_cell, coupling%deferred, remains)
         remains = remains*product(air%dx)
         deferred = remains(1:5)

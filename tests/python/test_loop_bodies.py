@@ -83,6 +83,10 @@ module brz_ranks
     type :: ranks_t
     end type
 contains
+    pure logical function several(ranks)
+        type(ranks_t), intent(in) :: ranks
+        several = .false.
+    end function
     subroutine most_of_all(ranks, x)
         type(ranks_t), intent(in) :: ranks
         integer(int64), intent(inout) :: x(:)
