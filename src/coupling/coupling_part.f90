@@ -28,7 +28,7 @@ module brz_coupling_part
         type(cells_t), allocatable :: halos(:) !! likewise that each sees
         type(cells_t), allocatable :: near(:) !! likewise halos and a layer around
         integer(int32), allocatable :: halos_at(:), boxes_at(:), near_at(:) !! for loop bodies
-        integer(int64) :: rebuilds = -1 !! how often particles had got places when ghosts were listed
+        integer(int64) :: rebuilds = -1 !! how often particles had got places, at a list of ghosts
         type(courier_t) :: messages
         ! ghosts: particles of this process near halos, its own as well
         type(message_buffers_t) :: out, in !! their places; those of the ghosts that came
