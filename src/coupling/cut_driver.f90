@@ -20,6 +20,7 @@ module brz_cut_driver
         for_each_cut_find_home, for_each_cut_mark, for_each_cut_mark_listed, &
         for_each_cut_mark_unsettled, for_each_cut_set_slot, for_each_cut_unite_marks, &
         for_each_cut_widen
+    use brz_cut_list_loop_bodies, only: grid_cell_of
     use brz_cut_load_loops, only: for_each_cut_bear, for_each_cut_feel, for_each_cut_find_bearing, &
         for_each_cut_load_particle, for_each_cut_record
     use brz_cut_node_loops, only: for_each_cut_fill_corner, for_each_cut_fill_node, &
@@ -38,7 +39,6 @@ module brz_cut_driver
     use brz_lists, only: at_least, clear_list, clear_map, count_in_bins, put_in_bins, running_sum, &
         swap
     use brz_near_walls, only: see_cut_cells
-    use brz_particle_marks, only: is_gone
     use brz_ranks, only: several, sum_of_all
     use brz_scheme, only: max_var
     use brz_bodies, only: bodies_t
@@ -99,17 +99,12 @@ contains
         integer(int64), parameter :: prime = 2147483647, factor(2) = [48271_int64, 69621_int64]
         integer(int64) :: hash(2), sums(2)
         integer :: b, d, i, ijk(3)
-        real(dp) :: s(3)
 
         sums = 0
         associate (nodes => c%wall%cells%nodes)
             do b = 1, size(solid%bodies)
                 do i = solid%bodies(b)%first, solid%bodies(b)%last
-                    s = (solid%x(:3, i) - nodes%lo)/nodes%dx
-                    ijk = 0 ! outside, see cut_cell_of
-                    if (solid%fixed(i) /= is_gone .and. &
-                        all(nodes%whole == 1 .or. s > -1 .and. s < nodes%whole + 1)) &
-                        ijk = merge(max(1, min(nodes%whole, floor(s) + 1)), 1, nodes%whole > 1)
+                    ijk = grid_cell_of(nodes, solid%fixed(i), solid%x(:3, i))
                     hash = solid%id(i)
                     do d = 1, 3
                         hash = mod(factor*hash + ijk(d), prime)

@@ -11,7 +11,7 @@ module brz_cut_list_loop_bodies
     private
     public :: cut_cell_of, cut_mark, cut_mark_listed, cut_mark_unsettled, cut_unite_marks, &
         cut_widen, cut_set_slot, cut_find_beside, cut_find_home, cut_set_near
-    public :: entry_at, nodes_around
+    public :: entry_at, grid_cell_of, nodes_around
 
     real(rk), parameter :: settled = 64*epsilon(1.0_rk) !! of a cell, in which gas may be off it
 
@@ -30,26 +30,48 @@ contains
         integer(int32), intent(inout) :: number(*) !! 0: outside
         integer, intent(inout) :: moved !@count particles that have changed their cell
         integer(int32) :: c
-        integer :: d, i, ijk(3)
+        integer :: d, ijk(3)
         logical :: near_box
-        real(dp) :: s
+        real(dp) :: y(3)
 
-        near_box = fixed(p) /= is_gone
         do d = 1, 3
-            ijk(d) = 1
-            if (nodes%n(d) == 1) cycle
-            s = (x(d, p) - nodes%lo(d))/nodes%dx(d)
-            near_box = near_box .and. s > -1 .and. s < nodes%whole(d) + 1
-            if (.not. near_box) cycle
-            i = max(1, min(nodes%whole(d), floor(s) + 1)) - nodes%before(d)
-            near_box = i >= 1 .and. i <= nodes%cells(d)
-            ijk(d) = i
+            y(d) = x(d, p)
+        end do
+        ijk = grid_cell_of(nodes, fixed(p), y)
+        near_box = .true.
+        do d = 1, 3
+            ijk(d) = ijk(d) - nodes%before(d)
+            near_box = near_box .and. ijk(d) >= 1 .and. ijk(d) <= nodes%cells(d)
         end do
         c = 0
         if (near_box) c = number_of(nodes%n, ijk)
         if (c /= number(p)) moved = moved + 1
         number(p) = c
     end subroutine cut_cell_of
+
+    !> Indices of the cell of a particle in the grid of all processes; 0 outside, see cut_cell_of.
+    !@cuf attributes(host,device) &
+    pure function grid_cell_of(nodes, fixed, x) result(ijk)
+        type(node_grid_t), intent(in) :: nodes
+        integer(int32), intent(in) :: fixed
+        real(dp), intent(in) :: x(3) !! [m]
+        integer :: ijk(3)
+        integer :: d
+        logical :: near_box
+        real(dp) :: s
+
+        near_box = fixed /= is_gone
+        do d = 1, 3
+            ijk(d) = 1
+            if (nodes%n(d) == 1) cycle
+            s = (x(d) - nodes%lo(d))/nodes%dx(d)
+            near_box = near_box .and. s > -1 .and. s < nodes%whole(d) + 1
+            if (near_box) ijk(d) = max(1, min(nodes%whole(d), floor(s) + 1))
+        end do
+        do d = 1, 3
+            if (.not. near_box) ijk(d) = 0
+        end do
+    end function grid_cell_of
 
     !> Mark the cells of the particles; all that lie in a cell write the same.
     !@loop_body

@@ -8,7 +8,7 @@ module brz_cut_node_loop_bodies
     use brz_air_grid, only: cell_at
     use brz_cut_cells, only: at_corner, node_grid_t
     use brz_cut_geometry, only: ball_of, distance_of_fill, thickness_of
-    use brz_cut_list_loop_bodies, only: entry_at, nodes_around
+    use brz_cut_list_loop_bodies, only: entry_at
     use brz_kinds, only: dp, int32, rk
     implicit none
     private

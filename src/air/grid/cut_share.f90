@@ -3,6 +3,7 @@
 !> follows from particles alone it computes for the whole list; what is integrated, or depends on
 !> cells beyond the halo, comes from the process in whose box the cell is.
 module brz_cut_share
+    use brz_air_grid, only: cell_at, number_of
     use brz_boxes, only: cells_t
     use brz_cut_cells, only: cut_cells_t
     use brz_fetch, only: fetch, fetch_rows, fetch_t, plan_fetch
@@ -153,34 +154,21 @@ contains
         type(cut_share_t), intent(inout) :: share
         type(cut_cells_t), intent(inout) :: cells
         real(rk) :: way(3, cells%n)
-        integer :: d, s, there(3)
+        integer :: entry, s, there(3)
 
         if (.not. several(share%ranks)) return
         do s = 1, cells%n
-            way(:, s) = place(cells%master(s)) - place(s)
+            way(:, s) = cell_at(cells%nodes%n, cells%cell(cells%master(s))) &
+                        - cell_at(cells%nodes%n, cells%cell(s))
         end do
         call fetch_rows(share%ranks, share%plan, way)
         do s = 1, cells%n
-            there = place(s) + nint(way(:, s))
+            there = cell_at(cells%nodes%n, cells%cell(s)) + nint(way(:, s))
             cells%master(s) = s
-            if (any([(there(d) < 1 .or. there(d) > cells%nodes%n(d), d=1, 3)])) cycle
-            associate (n => cells%nodes%n)
-                d = cells%slot(there(1) + n(1)*(there(2) - 1 + n(2)*(there(3) - 1)))
-            end associate
-            if (d > 0) cells%master(s) = d
+            if (any(there < 1 .or. there > cells%nodes%n)) cycle
+            entry = cells%slot(number_of(cells%nodes%n, there))
+            if (entry > 0) cells%master(s) = entry
         end do
-
-    contains
-
-        !> Indices of an entry.
-        pure function place(entry) result(ijk)
-            integer, intent(in) :: entry
-            integer :: ijk(3)
-
-            associate (n => cells%nodes%n, number => cells%cell(entry) - 1)
-                ijk = [mod(number, n(1)), mod(number/n(1), n(2)), number/n(1)/n(2)] + 1
-            end associate
-        end function place
     end subroutine share_masters
 
     !> True in all processes where a count is not zero in one of them.
