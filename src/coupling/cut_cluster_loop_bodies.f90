@@ -2,9 +2,9 @@
 !> Clusters of small cells (cell merging): a cell with little gas shares one state with a neighbour,
 !> so that the time step is that of whole cells. No cluster reaches through a face that is shut.
 module brz_cut_cluster_loop_bodies
-    use brz_air_grid, only: rest_t
+    use brz_air_grid, only: cell_at, rest_t
     use brz_cut_cells, only: node_grid_t
-    use brz_kinds, only: int32, rk
+    use brz_kinds, only: dp, int32, rk
     implicit none
     private
     public :: cut_weigh, cut_point, cut_follow, cut_adopt, cut_shut_pocket, cut_empty_shut, &
@@ -12,7 +12,7 @@ module brz_cut_cluster_loop_bodies
 
     real(rk), parameter :: small = 0.5_rk !! cells with less gas join a neighbour
     real(rk), parameter :: pocket = 0.25_rk !! clusters with less gas are shut
-    real(rk), parameter :: trifle = 1e-9_rk !! differences that rounding makes
+    real(rk), parameter :: trifle = max(1e-9_rk, 16*epsilon(1.0_rk)) !! differences that rounding makes
 
 contains
 
@@ -28,22 +28,41 @@ contains
         if (gas(s) > 0 .and. volume(s) < pocket) held(s) = min(gas(s), max(volume(s), 1e-6_rk))
     end subroutine cut_weigh
 
+    !> The faces of a cell, low and high by turns, and of a direction the one first that is nearer to
+    !> the plane through the origin: among equals the first one counts, and so does its image where
+    !> that plane is one of symmetry.
+    !@cuf attributes(host,device) &
+    pure integer function row_in_turn(nodes, number, turn) result(row)
+        type(node_grid_t), intent(in) :: nodes
+        integer(int32), intent(in) :: number !! of the cell
+        integer, intent(in) :: turn !! 1 to 6
+        integer :: d, ijk(3)
+
+        ijk = cell_at(nodes%n, number)
+        d = (turn + 1)/2
+        row = turn
+        if (nodes%lo(d) + (nodes%before(d) + ijk(d) - 0.5_dp)*nodes%dx(d) < 0) &
+            row = merge(2*d, 2*d - 1, turn == 2*d - 1)
+    end function row_in_turn
+
     !> The neighbour that a small cell joins: of those that hold more, the one with the widest
     !> opening, weighted by its gas.
     !@loop_body
     !@cuf attributes(host,device) &
-    pure subroutine cut_point(s, beside, aperture, held, master)
+    pure subroutine cut_point(s, nodes, cell, beside, aperture, held, master)
         integer, intent(in) :: s !! entries
-        integer(int32), intent(in) :: beside(6, *)
+        type(node_grid_t), intent(in) :: nodes
+        integer(int32), intent(in) :: cell(*), beside(6, *)
         real(rk), intent(in) :: aperture(6, *), held(*)
         integer(int32), intent(inout) :: master(*)
         real(rk) :: best, score
-        integer :: next, row
+        integer :: next, row, turn
 
         master(s) = s
         if (.not. held(s) > 0 .or. held(s) >= small) return
         best = -1
-        do row = 1, 6
+        do turn = 1, 6
+            row = row_in_turn(nodes, cell(s), turn)
             next = beside(row, s)
             if (next == 0) cycle
             if (.not. aperture(row, s) > 0 .or. .not. held(next) > held(s)*(1 + trifle)) cycle
@@ -68,22 +87,24 @@ contains
     !> A small cell that is the largest about it joins the cluster of a neighbour.
     !@loop_body
     !@cuf attributes(host,device) &
-    pure subroutine cut_adopt(s, beside, aperture, held, from, to)
+    pure subroutine cut_adopt(s, nodes, cell, beside, aperture, held, from, to)
         integer, intent(in) :: s !! entries
-        integer(int32), intent(in) :: beside(6, *)
+        type(node_grid_t), intent(in) :: nodes
+        integer(int32), intent(in) :: cell(*), beside(6, *)
         real(rk), intent(in) :: aperture(6, *), held(*)
         integer(int32), intent(in) :: from(*) !! master of each
         integer(int32), intent(inout) :: to(*)
         real(rk) :: best
-        integer :: next, row
+        integer :: next, row, turn
 
         to(s) = from(s)
         if (.not. held(s) > 0 .or. held(s) >= small .or. from(s) /= s) return
         best = 0
-        do row = 1, 6
+        do turn = 1, 6
+            row = row_in_turn(nodes, cell(s), turn)
             next = beside(row, s)
             if (next == 0) cycle
-            if (.not. aperture(row, s) > best .or. held(from(next)) < small) cycle
+            if (.not. aperture(row, s) > best + trifle .or. held(from(next)) < small) cycle
             best = aperture(row, s)
             to(s) = from(next)
         end do

@@ -318,10 +318,12 @@ contains
 
         associate (g => c%on_gpu, l => c%wall%cells)
             call for_each_cut_weigh(g, l%n, l%gas, l%volume, l%held, err)
-            call for_each_cut_point(g, l%n, l%beside, l%aperture, l%held, l%master, err)
+            call for_each_cut_point(g, l%n, l%nodes, l%cell, l%beside, l%aperture, &
+                                     l%held, l%master, err)
             call follow_pointers(g, l, err)
             do m = 1, adoptions
-                call for_each_cut_adopt(g, l%n, l%beside, l%aperture, l%held, l%master, &
+                call for_each_cut_adopt(g, l%n, l%nodes, l%cell, l%beside, l%aperture, l%held, &
+                    l%master, &
                     l%next_master, &
                                         err)
                 call swap(l%master, l%next_master)

@@ -3,7 +3,7 @@
 !> particles there, a node to its particles likewise. Both are gathers, and nothing is lost.
 module brz_cut_load_loop_bodies
     use brz_air_grid, only: cell_at, is_between
-    use brz_cut_cells, only: node_grid_t
+    use brz_cut_cells, only: node_grid_t, see_image
     use brz_cut_list_loop_bodies, only: entry_at, nodes_around
     use brz_cut_node_loop_bodies, only: tent
     use brz_kinds, only: dp, int32, rk
@@ -24,7 +24,8 @@ contains
         real(dp), intent(in) :: mass(*) !! of the nodes [kg]
         real(dp), intent(inout) :: bearing(*)
         real(dp) :: around
-        integer :: high(3), i, ijk(3), j, k, low(3), node, wide
+        integer :: at(3), d, high(3), i, ijk(3), j, k, low(3), node, wide
+        logical :: turned
 
         bearing(s) = 0
         if (place(s) == 0) return
@@ -35,7 +36,13 @@ contains
             do k = low(3), high(3)
                 do j = low(2), high(2)
                     do i = low(1), high(1)
-                        node = entry_at(nodes, i, j, k, slot)
+                        at(1) = i
+                        at(2) = j
+                        at(3) = k
+                        do d = 1, 3
+                            call see_image(nodes, d, 1, at(d), turned)
+                        end do
+                        node = entry_at(nodes, at(1), at(2), at(3), slot)
                         if (node > 0) around = around + mass(node)
                     end do
                 end do
@@ -60,8 +67,8 @@ contains
         real(dp), intent(inout) :: force(3, *) !! [N]
         real(dp), intent(inout) :: moment(3, *) !! about the low corner of the grid [N m]
         real(dp) :: arm(3), push(3), share
-        integer :: at(3), b, d, high(3), i, ijk(3), j, k, low(3)
-        logical :: own
+        integer :: at(3), b, d, high(3), i, ijk(3), j, k, low(3), to(3)
+        logical :: own, turned(3)
 
         do d = 1, 3
             force(d, s) = 0
@@ -73,9 +80,6 @@ contains
         do k = low(3), high(3)
             do j = low(2), high(2)
                 do i = low(1), high(1)
-                    b = entry_at(nodes, i, j, k, slot)
-                    if (b == 0) cycle
-                    if (abs(impulse(1, b)) + abs(impulse(2, b)) + abs(impulse(3, b)) <= 0) cycle
                     at(1) = i
                     at(2) = j
                     at(3) = k
@@ -83,13 +87,21 @@ contains
                     do d = 1, 3
                         if (nodes%n(d) > 1) own = own .and. at(d) >= ijk(d) - 1 &
                             .and. at(d) <= ijk(d)
+                        to(d) = at(d)
+                        call see_image(nodes, d, 0, to(d), turned(d))
                     end do
+                    b = entry_at(nodes, to(1), to(2), to(3), slot)
+                    if (b == 0) cycle
+                    if (abs(impulse(1, b)) + abs(impulse(2, b)) + abs(impulse(3, b)) <= 0) cycle
                     share = 0
                     if (bearing(b) > 0 .and. own) share = mass(s)/bearing(b)
                     if (bearing(b) < 0) share = -mass(s)/bearing(b)
                     do d = 1, 3
                         push(d) = share*(impulse(d, b)/dt - reference*area(d, b))
-                        arm(d) = (nodes%before(d) + at(d) - 1 + middle(d, b))*nodes%dx(d)
+                        arm(d) = (nodes%before(d) + to(d) - 1 + middle(d, b))*nodes%dx(d)
+                        if (turned(d)) push(d) = -push(d)
+                        if (turned(d)) arm(d) = 2*merge(nodes%whole(d), 0, at(d) > to(d)) &
+                            *nodes%dx(d) - arm(d)
                         force(d, s) = force(d, s) + push(d)
                     end do
                     moment(1, s) = moment(1, s) + (arm(2)*push(3) - arm(3)*push(2))

@@ -3,7 +3,7 @@
 !> do to the bodies that carry them.
 module brz_cut_motion_loop_bodies
     use brz_air_grid, only: cell_at, is_between
-    use brz_cut_cells, only: bare, node_grid_t
+    use brz_cut_cells, only: bare, node_grid_t, see_image
     use brz_cut_list_loop_bodies, only: entry_at, nodes_around
     use brz_cut_node_loop_bodies, only: tent
     use brz_driven_body_rules, only: add_force, add_yield, carried_velocity, driven_body_at, &
@@ -20,7 +20,7 @@ module brz_cut_motion_loop_bodies
         cut_tame, cut_sweep, cut_sum_load
 
     real(rk), parameter :: most_taken = 0.5_rk !! of a cluster's gas that walls take in a step
-    real(rk), parameter :: band = 0.1_rk !! volume that a cell may be off its geometry, in cells
+    real(rk), parameter :: band = 0.3_rk !! volume that a cell may be off its geometry, in cells
     real(rk), parameter :: part = 0.05_rk !! of what is beyond it that the wall makes up in a step
     real(rk), parameter :: farthest = 0.02_rk !! way of the wall for that, in cells
 
@@ -102,6 +102,7 @@ contains
         real(dp) :: all, at(3), p(3), weight
         real(rk) :: w(3), x(3)
         integer :: d, high(3), i, ijk(3), j, k, low(3), node, wide, to(3)
+        logical :: turned(3)
 
         do d = 1, 3
             v(d, s) = 0
@@ -126,16 +127,19 @@ contains
             do k = low(3), high(3)
                 do j = low(2), high(2)
                     do i = low(1), high(1)
-                        node = entry_at(nodes, i, j, k, slot)
-                        if (node == 0) cycle
                         to(1) = i
                         to(2) = j
                         to(3) = k
                         weight = 1
                         if (wide == 0) weight = tent(nodes, to, at)
+                        do d = 1, 3
+                            call see_image(nodes, d, 1, to(d), turned(d))
+                        end do
+                        node = entry_at(nodes, to(1), to(2), to(3), slot)
+                        if (node == 0) cycle
                         all = all + weight*mass(node)
                         do d = 1, 3
-                            p(d) = p(d) + weight*momentum(d, node)
+                            p(d) = p(d) + merge(-weight, weight, turned(d))*momentum(d, node)
                         end do
                     end do
                 end do

@@ -3,7 +3,8 @@
 !> distance to the wall. Each is a gather over the particles of the cells around.
 !>
 !> Beyond a plane at the end of the box stands the image of a body that ends there: it fills a node
-!> on the plane as much as the body itself does. A body with particles beyond the plane goes on.
+!> on the plane as much as the body itself does, and moves as this does where it is one of symmetry.
+!> A body with particles beyond the plane goes on.
 module brz_cut_node_loop_bodies
     use brz_air_grid, only: cell_at
     use brz_cut_cells, only: at_corner, node_grid_t
@@ -130,6 +131,7 @@ contains
         real(rk), intent(inout) :: all_force(3, *), gas_load(3, *) !! [N]
         real(dp) :: all(at_corner)
         integer :: b, c, corner, d, ijk(3)
+        logical :: low
 
         ijk = cell_at(nodes%n, cell(s))
         do d = 1, at_corner
@@ -155,8 +157,10 @@ contains
         all(row_fill) = all(row_fill)/nodes%volume
         do d = 1, 3
             if (nodes%n(d) == 1 .or. all(row_beyond) > 0) cycle
-            if (nodes%before(d) + ijk(d) == 1 .or. nodes%before(d) + ijk(d) == nodes%whole(d) + 1) &
-                all(row_fill) = 2*all(row_fill)
+            low = nodes%before(d) + ijk(d) == 1
+            if (.not. (low .or. nodes%before(d) + ijk(d) == nodes%whole(d) + 1)) cycle
+            all(row_fill) = 2*all(row_fill)
+            if (nodes%mirrors(merge(1, 2, low), d)) call add_image(d, all)
         end do
         fill(s) = real(all(row_fill), rk)
         node_mass(s) = all(row_mass)
@@ -167,6 +171,24 @@ contains
             gas_load(d, s) = real(all(row_load + d), rk)
         end do
     end subroutine cut_fill_node
+
+    !> Add what the image brings to a node on a plane of symmetry: as much mass, and vectors with
+    !> their part along the normal turned.
+    !@cuf attributes(host,device) &
+    pure subroutine add_image(d, sums)
+        integer, intent(in) :: d !! normal of the plane
+        real(dp), intent(inout) :: sums(at_corner)
+        integer :: e
+        real(dp) :: factor
+
+        sums(row_mass) = 2*sums(row_mass)
+        do e = 1, 3
+            factor = merge(0.0_dp, 2.0_dp, e == d)
+            sums(row_momentum + e) = factor*sums(row_momentum + e)
+            sums(row_change + e) = factor*sums(row_change + e)
+            sums(row_load + e) = factor*sums(row_load + e)
+        end do
+    end subroutine add_image
 
     !> Entry of one of the eight cells about a node, the lowest first; 0 where there is none.
     !@cuf attributes(host,device) &

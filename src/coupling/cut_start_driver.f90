@@ -2,7 +2,7 @@
 !> Cut cells at the start, from a checkpoint, and on their way to a GPU, which begins as from a
 !> checkpoint.
 module brz_cut_start_driver
-    use brz_air_state, only: air_t
+    use brz_air_state, only: air_t, bc_symmetry
     use brz_bodies, only: bodies_t
     use brz_coupling_state, only: coupling_t
     use brz_cut_cells, only: cut_cells_t
@@ -32,6 +32,7 @@ contains
             cells%nodes%whole = c%box%whole
             cells%nodes%before = c%box%before
             cells%nodes%own = c%box%own
+            cells%nodes%mirrors = air%outer == bc_symmetry .and. spread(air%n > 1, 1, 2)
             cells%nodes%cells = c%box%n
             cells%nodes%n = merge(c%box%n + 1, 1, air%n > 1)
             cells%nodes%dimensions = count(air%n > 1)

@@ -14,7 +14,7 @@ module brz_cut_cells
     use brz_kinds, only: dp, int32, int64, int8, rk
     implicit none
     private
-    public :: cut_before_t, cut_cells_t, node_grid_t, near, bare, at_corner
+    public :: cut_before_t, cut_cells_t, node_grid_t, near, bare, at_corner, see_image
 
     integer, parameter :: near = 3 !! cells round one with particles that are listed
     integer, parameter :: at_corner = 13 !! sums of the particles of a cell at a corner of it
@@ -28,6 +28,7 @@ module brz_cut_cells
         integer :: before(3) = 0 !! cells of the grid before the first: on several processes the box
                                  !! is a halo
         integer :: own(3, 2) = 1 !! first and last cell of this process
+        logical :: mirrors(2, 3) = .false. !! a plane of symmetry is at this end of the grid
         integer :: dimensions = 0 !! directions that are modelled
         real(dp) :: lo(3) = 0 !! low corner of the grid [m]
         real(dp) :: dx(3) = 1 !! sides of a cell [m]
@@ -112,4 +113,25 @@ module brz_cut_cells
         integer(int32), allocatable :: bin_ends(:), binned(:) !! particles by entry
         real(rk), allocatable :: radius(:) !! (particles) of the ball of a thin part, 0: none
     end type cut_cells_t
+
+contains
+
+    !> Index of a node, or a cell, along a direction or, beyond a plane of symmetry, of its image.
+    !@cuf attributes(host,device) &
+    pure subroutine see_image(nodes, d, last, index, turned)
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: last !! 1: of nodes, of which one lies on the plane, 0: of cells
+        integer, intent(inout) :: index
+        logical, intent(out) :: turned !! it is an image
+        integer :: i
+
+        i = nodes%before(d) + index
+        turned = (i < 1 .and. nodes%mirrors(1, d)) &
+                 .or. (i > nodes%whole(d) + last .and. nodes%mirrors(2, d))
+        if (.not. turned) return
+        if (i < 1) i = 1 + last - i
+        if (i > nodes%whole(d) + last) i = 2*nodes%whole(d) + 1 + last - i
+        index = i - nodes%before(d)
+    end subroutine see_image
 end module brz_cut_cells

@@ -13,7 +13,7 @@ module brz_cut_loop_bodies
     use brz_air_boundary, only: beyond_wall
     use brz_air_grid, only: brick_of, cell_at, is_between, stage_t, variable_in_slot
     use brz_boundary_codes, only: bc_outflow
-    use brz_cut_cells, only: bare, node_grid_t
+    use brz_cut_cells, only: bare, node_grid_t, see_image
     use brz_face_flux, only: cut_face, cut_fraction
     use brz_fallback_loop_bodies, only: is_touched, mark_cell, put_edge, to_lose, to_redo
     use brz_gas, only: to_primitive
@@ -339,6 +339,7 @@ contains
         real(rk) :: away, far, from(5), gamma, here(5), long, near, wide, weight, weights
         integer(int64) :: at
         integer :: d, e, next, q, root(3), row
+        logical :: turned
 
         speed = du
         q = master(s)
@@ -360,12 +361,16 @@ contains
             next = beside(row, q)
             if (next == 0) then
                 e = root(d) + merge(-1, 1, n(d) > 0)
+                call see_image(nodes, d, 0, e, turned)
                 if (e < 1 .or. e > nodes%cells(d)) cycle
             else
                 if (master(next) == q) cycle
+                turned = .false.
             end if
-            at = place(q) + merge(-1, 1, n(d) > 0)*nodes%grid%step(d)
+            at = place(q)
+            if (.not. turned) at = at + merge(-1, 1, n(d) > 0)*nodes%grid%step(d)
             call state_at(nodes, scheme, at, u, gamma, from)
+            if (turned) from(1 + d) = -from(1 + d)
             weight = n(d)**2
             weights = weights + weight
             long = long + weight*abs(n(d))*real(nodes%dx(d), rk)
