@@ -238,7 +238,7 @@ contains
             words('scheme', 'wall_flux: fluxes at walls, nothing is lost. paper: as the paper '// &
                 'prints it, solid cells filled with gas, to compare; it loses mass. '// &
                 'cut_cells: walls where they are, through cells.', &
-                default='wall_flux', choices='wall_flux|paper|cut_cells'), &
+                default='cut_cells', choices='wall_flux|paper|cut_cells'), &
             number('spread', '-', 'Depth over which a surface load is spread into a body, in '// &
                 'air cells.', default='1.5', above=zero, upper=10*one), &
             number('reference_pressure', 'Pa', 'Pressure taken off every load; that of the '// &
