@@ -2,6 +2,7 @@
 !> Boxes of air with bodies that are held, by cut cells. Lengths are in cells, gas at rest is that
 !> of coupling_tools.
 module cut_scenes
+    use brz_air_grid, only: cell_at
     use brz_air_state, only: air_ok, bc_outflow, bc_wall
     use brz_air_sums, only: air_time_step
     use brz_cut_cells, only: cut_cells_t
@@ -13,9 +14,10 @@ module cut_scenes
     implicit none
     private
     public :: open_tunnel, hold, carry, ball, sheet, both, march, ride, cut_of, reached, stream
-    public :: drag_of_cylinder, drag_of_sphere, channel
+    public :: drag_of_cylinder, drag_of_sphere, channel, mach_stream, band_width
 
     real(dp), parameter :: mach_stream = 3
+    real(dp), parameter :: band_width = 5 !! of a cylinder [degrees]
 
 contains
 
@@ -208,10 +210,12 @@ contains
     end function cut_of
 
     !> Drag coefficient of a cylinder held in a stream of Mach 3, half of it.
-    function drag_of_cylinder(cells, shift, gap) result(drag)
+    function drag_of_cylinder(cells, shift, gap, bands) result(drag)
         integer, intent(in) :: cells !! per diameter
         real(dp), intent(in) :: shift !! of the middle
         real(dp), intent(out), optional :: gap !! between bow shock and cylinder, over its radius
+        real(dp), intent(out), optional :: bands(:, :) !! (2, bands) mean angle from the stagnation
+                                                       !! point [degrees], mean pressure [Pa]
         real(dp) :: drag, radius
         type(box_scene_t) :: scene
 
@@ -219,7 +223,7 @@ contains
         call stream(scene, mach_stream*c0)
         call hold(scene, ball(2, [1.5_dp*cells + shift, 0.0_dp, 0.0_dp], 0.5_dp*cells, 0.5_dp), &
                   0.5_dp)
-        drag = 2*pushed(scene, cells)/(0.5_dp*rho0*(mach_stream*c0)**2*cells)
+        drag = 2*pushed(scene, cells, bands)/(0.5_dp*rho0*(mach_stream*c0)**2*cells)
         if (.not. present(gap)) return
         ! of the circle of the particles' area
         radius = sqrt(sum(real(scene%solid%volume, dp))/acos(-1.0_dp))
@@ -247,8 +251,9 @@ contains
     end function bow_shock
 
     !> The same of a sphere, a quarter of it.
-    function drag_of_sphere(cells) result(drag)
+    function drag_of_sphere(cells, shift) result(drag)
         integer, intent(in) :: cells !! per diameter
+        real(dp), intent(in) :: shift !! of the middle, along the stream
         real(dp) :: drag
         type(box_scene_t) :: scene
         integer :: bc(2, 3)
@@ -258,29 +263,58 @@ contains
         bc(1, 3) = bc_wall
         call open_tunnel(scene, [3*cells, 3*cells/2, 3*cells/2], bc)
         call stream(scene, mach_stream*c0)
-        call hold(scene, ball(3, [1.25_dp*cells, 0.0_dp, 0.0_dp], 0.5_dp*cells, 0.5_dp), 0.5_dp)
+        call hold(scene, ball(3, [1.25_dp*cells + shift, 0.0_dp, 0.0_dp], 0.5_dp*cells, &
+                              0.5_dp), 0.5_dp)
         drag = 4*pushed(scene, cells)/(0.5_dp*rho0*(mach_stream*c0)**2*pi/4*cells**2)
     end function drag_of_sphere
 
     !> Force along x: mean over the last three tenths of the time in which the stream covers 14
     !> diameters.
-    function pushed(scene, cells) result(force)
+    function pushed(scene, cells, bands) result(force)
         type(box_scene_t), intent(inout) :: scene
         integer, intent(in) :: cells !! per diameter
+        real(dp), intent(out), optional :: bands(:, :) !! see drag_of_cylinder
         real(dp) :: force
+        real(dp), allocatable :: sums(:, :)
         real(dp) :: t_end, began, before
 
         t_end = 14*cells/(mach_stream*c0)
         began = 0
         before = 0
+        if (present(bands)) allocate (sums(3, size(bands, 2)), source=0.0_dp)
         do while (scene%t < t_end .and. .not. scene%failed)
             call march(scene, t_end - scene%t)
+            if (allocated(sums) .and. began > 0) call add_bands(scene, sums)
             if (began > 0 .or. scene%t < 0.7_dp*t_end) cycle
             began = scene%t
             before = scene%coupling%diagnostics%impulse(1)
         end do
         force = (scene%coupling%diagnostics%impulse(1) - before)/(t_end - began)
+        if (allocated(sums)) bands = sums(2:3, :)/spread(max(sums(1, :), tiny(1.0_dp)), 1, 2)
     end function pushed
+
+    !> Add the walls of a step to the bands round a cylinder on the axis: area, angle, pressure.
+    subroutine add_bands(scene, sums)
+        type(box_scene_t), intent(in) :: scene
+        real(dp), intent(inout) :: sums(:, :) !! (3, bands)
+        real(dp) :: angle, area, centre, x(2)
+        integer :: band, ijk(3), s
+
+        centre = sum(scene%solid%x(1, :))/scene%solid%n
+        associate (cells => scene%coupling%wall%cells)
+            do s = 1, cells%n
+                area = norm2(real(cells%area(:, s), dp))
+                if (.not. area > 1e-6_dp) cycle
+                ijk = cell_at(cells%nodes%n, cells%cell(s))
+                x = ijk(1:2) - 1 + cells%middle(1:2, s)
+                angle = atan2(x(2), centre - x(1))*180/acos(-1.0_dp)
+                band = int(angle/band_width) + 1
+                if (band < 1 .or. band > size(sums, 2)) cycle
+                sums(1:2, band) = sums(1:2, band) + scene%dt*area*[1.0_dp, angle]
+                sums(3, band) = sums(3, band) + norm2(real(cells%impulse(:, s), dp))
+            end do
+        end associate
+    end subroutine add_bands
 
     !> Ends of half a wind tunnel: a wall along the axis, the rest open.
     pure function tunnel() result(bc)
