@@ -148,14 +148,14 @@ contains
 
         associate (g => c%on_gpu, l => c%wall%cells, old => c%wall%cells%before)
             call for_each_cut_remap(g, l%n, old%n, l%cell, old%cell, l%from, err)
-            call for_each_cut_take(g, l%n, l%nodes, l%from, l%place, l%shut, old%shut, &
-                old%aperture, &
-                                   old%volume, old%swept, old%kept, air%u, l%content, l%volume, &
-                                   l%kept, l%was_open, err)
-            call for_each_cut_find_takers(g, l%n, l%place, l%shut, l%beside, l%was_open, l%kept, &
-                                          l%opening, err)
-            call for_each_cut_hand_on(g, l%n, l%place, l%shut, l%beside, l%was_open, l%kept, &
-                                      l%opening, l%content, l%volume, err)
+            call for_each_cut_take(g, l%n, l%nodes, l%from, l%place, l%shut, &
+                                   l%beside, l%aperture, old%shut, old%aperture, old%volume, &
+                                   old%swept, old%kept, air%u, l%content, l%volume, l%kept, &
+                                   l%was_open, err)
+            call for_each_cut_find_takers(g, l%n, l%place, l%shut, l%beside, l%aperture, &
+                                          l%was_open, l%kept, l%opening, err)
+            call for_each_cut_hand_on(g, l%n, l%place, l%shut, l%beside, l%aperture, l%was_open, &
+                                      l%kept, l%opening, l%content, l%volume, err)
             call for_each_cut_forget(g, l%n, l%opening, l%kept, err)
         end associate
     end subroutine take_over

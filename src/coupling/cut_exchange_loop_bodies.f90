@@ -47,15 +47,38 @@ contains
         end do
     end subroutine cut_remap
 
+    !> Has a cell got its gas on another side of a body: no face that was open is open still? What
+    !> it held is not what it holds now.
+    !@cuf attributes(host,device) &
+    pure logical function has_turned(s, beside, was_open, aperture) result(turned)
+        integer, intent(in) :: s !! entry
+        integer(int32), intent(in) :: beside(6, *)
+        real(rk), intent(in) :: was_open(6, *), aperture(6, *)
+        logical :: any_now, any_then, any_still
+        integer :: row
+
+        any_now = .false.
+        any_then = .false.
+        any_still = .false.
+        do row = 1, 6
+            if (beside(row, s) == 0) cycle
+            any_now = any_now .or. aperture(row, s) > 0
+            any_then = any_then .or. was_open(row, s) > 0
+            any_still = any_still .or. (aperture(row, s) > 0 .and. was_open(row, s) > 0)
+        end do
+        turned = any_now .and. any_then .and. .not. any_still
+    end function has_turned
+
     !> Content and volume of a cell after the step, and how its faces were open. What a cell without
-    !> gas held waits in it, and is gas again once the cell opens.
+    !> gas held, or one that has turned, waits in it, and is gas again once the cell opens.
     !@loop_body if(27*n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine cut_take(s, nodes, from, place, shut, old_shut, old_open, old_volume, swept, &
-                             old_kept, u, content, volume, kept, was_open)
+    pure subroutine cut_take(s, nodes, from, place, shut, beside, aperture, old_shut, old_open, &
+                             old_volume, swept, old_kept, u, content, volume, kept, was_open)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
-        integer(int32), intent(in) :: from(*), place(*), shut(*), old_shut(*)
+        integer(int32), intent(in) :: from(*), place(*), shut(*), beside(6, *), old_shut(*)
+        real(rk), intent(in) :: aperture(6, *)
         real(rk), intent(in) :: old_open(6, *), old_volume(*), swept(*)
         real(rk), intent(in) :: old_kept(max_var + 1, *) !! waiting content, and its volume
         real(rk), intent(in) :: u(*)
@@ -78,6 +101,7 @@ contains
             if (o > 0) was_open(row, s) = old_open(row, o)
         end do
         closed = place(s) == 0 .or. shut(s) /= 0
+        if (was_gas .and. .not. closed) closed = has_turned(s, beside, was_open, aperture)
         do c = 1, max_var
             waits = 0
             if (o > 0) waits = old_kept(c, o)
@@ -95,39 +119,42 @@ contains
     !> How wide a cell that has closed was open to cells that hold gas.
     !@loop_body
     !@cuf attributes(host,device) &
-    pure subroutine cut_find_takers(s, place, shut, beside, was_open, kept, opening)
+    pure subroutine cut_find_takers(s, place, shut, beside, aperture, was_open, kept, opening)
         integer, intent(in) :: s !! entries
         integer(int32), intent(in) :: place(*), shut(*), beside(6, *)
-        real(rk), intent(in) :: was_open(6, *), kept(max_var + 1, *)
+        real(rk), intent(in) :: aperture(6, *), was_open(6, *), kept(max_var + 1, *)
         real(rk), intent(inout) :: opening(*)
         integer :: b, row
 
         opening(s) = 0
-        if (place(s) == 0 .or. shut(s) == 0) return
+        if (place(s) == 0) return
         if (.not. (abs(kept(max_var + 1, s)) > 0 .or. abs(kept(1, s)) > 0)) return
         do row = 1, 6
             b = beside(row, s)
             if (b == 0) cycle
-            if (shut(b) == 0) opening(s) = opening(s) + was_open(row, s)
+            if (shut(b) /= 0 .or. .not. was_open(row, s) > 0) cycle
+            if (.not. has_turned(b, beside, was_open, aperture)) opening(s) = opening(s) + was_open(row, s)
         end do
     end subroutine cut_find_takers
 
     !> Take the shares of what cells beside one that have closed hold.
     !@loop_body
     !@cuf attributes(host,device) &
-    pure subroutine cut_hand_on(s, place, shut, beside, was_open, kept, opening, content, volume)
+    pure subroutine cut_hand_on(s, place, shut, beside, aperture, was_open, kept, opening, &
+                                content, volume)
         integer, intent(in) :: s !! entries
         integer(int32), intent(in) :: place(*), shut(*), beside(6, *)
-        real(rk), intent(in) :: was_open(6, *), kept(max_var + 1, *), opening(*)
+        real(rk), intent(in) :: aperture(6, *), was_open(6, *), kept(max_var + 1, *), opening(*)
         real(rk), intent(inout) :: content(max_var, *), volume(*)
         real(rk) :: share
         integer :: b, c, row
 
         if (place(s) == 0 .or. shut(s) /= 0) return
+        if (has_turned(s, beside, was_open, aperture)) return
         do row = 1, 6
             b = beside(row, s)
             if (b == 0) cycle
-            if (shut(b) == 0 .or. .not. opening(b) > 0) cycle
+            if (.not. opening(b) > 0) cycle
             share = was_open(row, s)/opening(b)
             do c = 1, max_var
                 content(c, s) = content(c, s) + share*kept(c, b)
