@@ -133,7 +133,8 @@ contains
             b = beside(row, s)
             if (b == 0) cycle
             if (shut(b) /= 0 .or. .not. was_open(row, s) > 0) cycle
-            if (.not. has_turned(b, beside, was_open, aperture)) opening(s) = opening(s) + was_open(row, s)
+            if (has_turned(b, beside, was_open, aperture)) cycle
+            opening(s) = opening(s) + was_open(row, s)
         end do
     end subroutine cut_find_takers
 

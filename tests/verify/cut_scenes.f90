@@ -14,7 +14,7 @@ module cut_scenes
     implicit none
     private
     public :: open_tunnel, hold, carry, ball, sheet, both, march, ride, cut_of, reached, stream
-    public :: drag_of_cylinder, drag_of_sphere, channel, mach_stream, band_width
+    public :: drag_of_cylinder, drag_of_sphere, channel, band_width
 
     real(dp), parameter :: mach_stream = 3
     real(dp), parameter :: band_width = 5 !! of a cylinder [degrees]
