@@ -162,11 +162,11 @@ def lines_of(rows: list[dict[str, str]], case: str) -> dict[tuple[str, str], tup
     for row in rows:
         if row["case"] != case:
             continue
-        x, y = lines.setdefault((row["quantity"], row["scheme"]), ([], []))
-        x.append(float(row["cells"]))
         value, reference = float(row["value"]), float(row["reference"])
-        # what is nothing at best is a share already
-        y.append(100 * abs(value / reference - 1 if reference else value))
+        if abs(value - reference) > 0:  # else it is the reference
+            x, y = lines.setdefault((row["quantity"], row["scheme"]), ([], []))
+            x.append(float(row["cells"]))
+            y.append(100 * abs(value / reference - 1))
     return lines
 
 
@@ -197,9 +197,9 @@ def bars(ax: plt.Axes, rows: list[dict[str, str]]) -> None:
     angles = sorted({int(row["cells"]) for row in plates})
     for row in plates:
         x = angles.index(int(row["cells"])) + (-0.2 if row["scheme"] == "wall_flux" else 0.2)
-        ax.bar(x, 100 * float(row["value"]), 0.36, color=COLOURS[row["scheme"]])
-        ax.text(x, 100 * max(0, float(row["value"])) + 0.15, f"{100 * float(row['value']):.1f}",
-                ha="center", fontsize=8)  # fmt: skip
+        share = round(100 * float(row["value"]), 1) + 0.0
+        ax.bar(x, share, 0.36, color=COLOURS[row["scheme"]])
+        ax.text(x, max(0, share) + 0.15, f"{share:.1f}", ha="center", fontsize=8)
     ax.axhline(0, color="black", lw=0.8)
     ax.set_xticks(range(len(angles)), [str(x) for x in angles])
     ax.set(xlabel="angle of the plate [degrees]", ylabel="sideways over normal impulse [%]")
