@@ -12,7 +12,8 @@ module brz_cut_cluster_loop_bodies
 
     real(rk), parameter :: small = 0.5_rk !! cells with less gas join a neighbour
     real(rk), parameter :: pocket = 0.25_rk !! clusters with less gas are shut
-    real(rk), parameter :: trifle = max(1e-9_rk, 16*epsilon(1.0_rk)) !! differences that rounding makes
+    real(rk), parameter :: trifle = max(1e-9_rk, 16*epsilon(1.0_rk))
+    !! differences that rounding makes
 
 contains
 
@@ -28,9 +29,9 @@ contains
         if (gas(s) > 0 .and. volume(s) < pocket) held(s) = min(gas(s), max(volume(s), 1e-6_rk))
     end subroutine cut_weigh
 
-    !> The faces of a cell, low and high by turns, and of a direction the one first that is nearer to
-    !> the plane through the origin: among equals the first one counts, and so does its image where
-    !> that plane is one of symmetry.
+    !> The faces of a cell by turns, of a direction first the one nearer to the plane through
+    !> the origin: among equals the first one counts, and so does its image where that plane is one
+    !> of symmetry.
     !@cuf attributes(host,device) &
     pure integer function row_in_turn(nodes, number, turn) result(row)
         type(node_grid_t), intent(in) :: nodes

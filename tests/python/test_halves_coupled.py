@@ -116,6 +116,8 @@ SCENES = {
     "plate across": ("x", [HOT, box((-0.05, 0.05), (-0.0075, 0.0075))], 8e-5),
     # it flies along the plane: cells are uncovered and covered there
     "bullet": ("x", [HOT, box((-0.0075, 0.0075), (-0.0225, 0.0175), v=(0, 250, 0))], 8e-5),
+    "rigid bullet": ("x", [HOT, box((-0.0075, 0.0075), (-0.0225, 0.0175), v=(0, 250, 0),
+                                    more=", formulation='rigid'")], 8e-5),
     # two that close the gap between them, or open one
     "gap closes": ("x", [HOT, box((0.03, 0.05), (-0.0325, 0.0325), v=(-250, 0, 0))], 1.1e-4),
     # thin ones, each of which the face behind the other loads in the end
@@ -132,6 +134,8 @@ SCENES = {
                     Thing((0, 0.07, 0), 0.015, v=(0, -200, 0)),
                     Thing((0, -0.06, 0), 0.0075, v=(0, -200, 0))], 5e-5),
     "corner": ("xy", [*BLASTS, box((-0.0075, 0.0075), (-0.0175, 0.0175))], 1.5e-4),
+    "rigid disc at a corner": ("xy", [*BLASTS, Thing((0, 0, 0), 0.0175,
+                                                     more=", formulation='rigid'")], 1.5e-4),
     "discs at a corner": ("xy", [*BLASTS, Thing((0.025, 0.02, 0), 0.0125, v=(-150, -100, 0)),
                                  Thing((0.0125, 0.045, 0), 0.01, v=(200, 50, 0)),
                                  Thing((0.055, 0.015, 0), 0.0125, v=(-100, 150, 0)),
@@ -167,36 +171,6 @@ def compare(planes, whole, part, closed=True):
 def test_bodies_in_air_on_planes_of_symmetry(tmp_path, name):
     planes, things, t = SCENES[name]
     compare(planes, *(run(tmp_path, deck) for deck in decks(planes, things, t)))
-
-
-RIGID = ", formulation='rigid'"
-CUT = "&coupling scheme='cut_cells' /\n"
-# Rigid bodies that planes cut
-CUT_SCENES = {
-    "plate": SCENES["rigid plate"],
-    "bullet": ("x", [HOT, box((-0.0075, 0.0075), (-0.0225, 0.0175), v=(0, 250, 0), more=RIGID)],
-               8e-5),
-    "thicker bullet": ("x", [HOT, box((-0.0125, 0.0125), (-0.0225, 0.0175), v=(0, 250, 0),
-                                      more=RIGID)], 8e-5),
-    "disc at a corner": ("xy", [*BLASTS, Thing((0, 0, 0), 0.0175, more=RIGID)], 1.5e-4),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", CUT_SCENES)
-def test_cut_cells_of_rigid_bodies_on_planes_of_symmetry(tmp_path, name):
-    planes, things, t = CUT_SCENES[name]
-    compare(planes, *(run(tmp_path, deck + CUT) for deck in decks(planes, things, t)))
-
-
-@pytest.mark.parametrize("name", ["bullet", slow("plate of two")])
-def test_cut_cells_of_bodies_that_deform_on_planes_of_symmetry(tmp_path, name):
-    """Nearly the whole: a node on the plane has half of its mass (wanted: to rounding)."""
-    planes, things, t = SCENES[name]
-    whole, part = (run(tmp_path, deck + CUT) for deck in decks(planes, things, t))
-    for k in range(len(PLACES)):
-        column = gauges(whole)[f"pressure{k}"]
-        assert abs(gauges(part)[f"pressure{k}"] - column).max() < 2e-3 * column.max()
-    assert abs(part["energy"]["mass_error[-]"]).max() < 1e-12
 
 
 def test_the_coupling_of_the_paper_on_a_plane(tmp_path):
