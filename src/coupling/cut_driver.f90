@@ -30,6 +30,7 @@ module brz_cut_driver
     use brz_cut_share, only: list_shared, share_columns, share_marks, share_masters, &
         share_numbers
     use brz_cut_shape_loops, only: for_each_cut_close, for_each_cut_open, for_each_cut_shape
+    use brz_cut_stress_loops, only: for_each_cut_stress_particle, for_each_cut_sum_deeper
     use brz_driven_body_driver, only: put_driven_bodies
     use brz_driven_body_motion, only: foresee_driven_bodies, read_driven_bodies
     use brz_driven_body_rules, only: carries_all, carries_none, n_push
@@ -44,7 +45,8 @@ module brz_cut_driver
     use brz_bodies, only: bodies_t
     implicit none
     private
-    public :: find_cut_cells, find_shapes, mix_clusters, press_by_cut_cells, feel_loads, &
+    public :: find_cut_cells, find_shapes, mix_clusters, press_by_cut_cells, &
+        stress_by_cut_cells, feel_loads, &
         move_cut_walls, load_cut_carriers, open_faces, find_clusters, list_members
 
     integer, parameter :: in_turn = 3 !! pointers that are followed
@@ -179,6 +181,9 @@ contains
         call at_least(on_gpu, cells%fill, n, err)
         call at_least(on_gpu, cells%mass, n, err)
         call at_least(on_gpu, cells%momentum, 3, n, err)
+        call at_least(on_gpu, cells%above, 3, n, err)
+        call at_least(on_gpu, cells%from_low, 3, n, err)
+        call at_least(on_gpu, cells%deeper, 6, n, err)
         call at_least(on_gpu, cells%heaviest, n, err)
         call at_least(on_gpu, cells%moment, 3, n, err)
         call at_least(on_gpu, cells%carrier, n, err)
@@ -234,7 +239,8 @@ contains
                 call sum_corners(p, c, c%v_before, p%id, err)
             end if
             call for_each_cut_fill_node(g, l%n, nodes, real(c%dt_before, rk), l%cell, l%slot, &
-                l%sums, l%top, l%fill, l%mass, l%heaviest, l%momentum, l%all_force, l%gas_load, err)
+                l%sums, l%top, l%fill, l%mass, l%above, l%heaviest, l%momentum, l%all_force, &
+                l%gas_load, err)
             call for_each_cut_see_fill(g, p%n, nodes, p%wide, l%home, l%cell, l%slot, p%x, l%fill, &
                                        l%radius, err)
             call for_each_cut_find_thickest(g, l%n, l%bin_ends, l%binned, l%radius, l%thickness, &
@@ -443,9 +449,11 @@ contains
             call for_each_cut_find_push(g, l%n, nodes, air%scheme, c%reference_pressure, l%place, &
                                         l%shut, l%area, l%v, l%carrier, air%u, l%press, l%give, err)
             call for_each_cut_bear(g, l%n, nodes, whole, 0.0_rk, l%cell, l%slot, l%mass, &
-                                   l%bearing, l%area, l%middle, l%give, l%impedance, l%moment, err)
+                                   l%bearing, l%area, l%middle, l%give, l%impedance, l%from_low, &
+                                   l%moment, err)
             call for_each_cut_bear(g, l%n, nodes, whole, 0.0_rk, l%cell, l%slot, l%mass, &
-                                   l%bearing, l%area, l%middle, l%press, l%force, l%moment, err)
+                                   l%bearing, l%area, l%middle, l%press, l%force, l%from_low, &
+                                   l%moment, err)
             call for_each_cut_push_node(g, l%n, nodes, c%bodies, real(dt, rk), c%driven, &
                 p%fixed, l%heaviest, l%mass, l%all_force, l%gas_load, l%force, l%impedance, &
                 l%momentum, err)
@@ -515,7 +523,7 @@ contains
                                      diag_at(c%device, diag_work), err)
             call for_each_cut_bear(g, l%n, nodes, dt, c%reference_pressure, l%cell, l%slot, &
                                    l%mass, l%bearing, l%area, l%middle, l%impulse, l%force, &
-                                   l%moment, err)
+                                   l%from_low, l%moment, err)
             call for_each_cut_load_particle(g, p%n, nodes, p%wide, p%stride_d, p%stride_p, l%home, &
                                             l%cell, l%slot, p%x, p%mass, l%mass, l%force, p%load, &
                                             err)
@@ -525,6 +533,30 @@ contains
         c%diagnostics%impulse = c%diagnostics%impulse + given
         c%diagnostics%impulse_reference = c%diagnostics%impulse_reference + taken
     end subroutine press_by_cut_cells
+
+    !> Stress that the loads bring to the faces of bodies, after press_by_cut_cells.
+    subroutine stress_by_cut_cells(solid, p, c, err)
+        class(bodies_t), intent(in) :: solid !! its bodies
+        class(bodies_t), intent(inout) :: p !! its particles
+        type(coupling_t), intent(inout) :: c
+        type(error_t), intent(inout) :: err
+        integer :: b
+
+        if (.not. allocated(solid%face_stress)) return
+        associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
+            call for_each_cut_sum_deeper(g, l%n, nodes, l%cell, l%slot, l%force, l%from_low, &
+                                         l%deeper, err)
+            do b = 1, size(solid%bodies)
+                if (.not. solid%bodies(b)%face_share > 0 .or. solid%bodies(b)%inactive) cycle
+                associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
+                    call for_each_cut_stress_particle(g, last - first + 1, first, nodes, &
+                        solid%bodies(b)%face_share, p%wide, p%stride_d, p%stride_t, l%home, &
+                        l%cell, l%slot, p%x, l%fill, l%mass, l%above, l%force, l%from_low, &
+                        l%deeper, p%face_stress, err)
+                end associate
+            end do
+        end associate
+    end subroutine stress_by_cut_cells
 
     !> Which bodies that sleep have a load beyond rounding on one of their particles.
     subroutine feel_loads(solid, c, err)

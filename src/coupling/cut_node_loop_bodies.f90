@@ -117,7 +117,7 @@ contains
     !@loop_body if(n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
     pure subroutine cut_fill_node(s, nodes, dt_before, cell, slot, sums, top, fill, node_mass, &
-                                  heaviest, momentum, all_force, gas_load)
+                                  above, heaviest, momentum, all_force, gas_load)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
         real(rk), intent(in) :: dt_before !! last step of the air; 0: none [s]
@@ -126,16 +126,20 @@ contains
         integer(int32), intent(in) :: top(8, *)
         real(rk), intent(inout) :: fill(*)
         real(dp), intent(inout) :: node_mass(*)
+        real(rk), intent(inout) :: above(3, *) !! part of it above the node
         integer(int32), intent(inout) :: heaviest(*) !! particle of the most mass there, 0: none
         real(dp), intent(inout) :: momentum(3, *)
         real(rk), intent(inout) :: all_force(3, *), gas_load(3, *) !! [N]
-        real(dp) :: all(at_corner)
-        integer :: b, c, corner, d, ijk(3)
+        real(dp) :: all(at_corner), upper(3)
+        integer :: b, c, corner, d, e, ijk(3)
         logical :: low
 
         ijk = cell_at(nodes%n, cell(s))
         do d = 1, at_corner
             all(d) = 0
+        end do
+        do d = 1, 3
+            upper(d) = 0
         end do
         heaviest(s) = 0
         do c = 0, 7
@@ -146,6 +150,9 @@ contains
                 if (nodes%n(d) > 1 .and. iand(c, 2**(d - 1)) == 0) corner = corner + 2**(d - 1)
             end do
             if (sums(row_most, corner, b) > all(row_most)) heaviest(s) = top(corner, b)
+            do d = 1, 3
+                if (iand(c, 2**(d - 1)) /= 0) upper(d) = upper(d) + sums(row_mass, corner, b)
+            end do
             do d = 1, at_corner
                 if (d == row_most) then
                     all(d) = max(all(d), sums(d, corner, b))
@@ -160,11 +167,16 @@ contains
             low = nodes%before(d) + ijk(d) == 1
             if (.not. (low .or. nodes%before(d) + ijk(d) == nodes%whole(d) + 1)) cycle
             all(row_fill) = 2*all(row_fill)
-            if (nodes%mirrors(merge(1, 2, low), d)) call add_image(d, all)
+            if (.not. nodes%mirrors(merge(1, 2, low), d)) cycle
+            call add_image(d, all)
+            do e = 1, 3
+                upper(e) = merge(all(row_mass)/2, 2*upper(e), e == d)
+            end do
         end do
         fill(s) = real(all(row_fill), rk)
         node_mass(s) = all(row_mass)
         do d = 1, 3
+            above(d, s) = real(upper(d), rk)
             momentum(d, s) = all(row_momentum + d)
             all_force(d, s) = 0
             if (dt_before > 0) all_force(d, s) = real(all(row_change + d)/dt_before, rk)

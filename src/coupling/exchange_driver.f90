@@ -7,7 +7,8 @@ module brz_exchange_driver
     use brz_coupling_state, only: coupling_t
     use brz_coupling_driver, only: find_velocities
     use brz_coupling_windows, only: offer_window, see_halo
-    use brz_cut_driver, only: feel_loads, load_cut_carriers, move_cut_walls, press_by_cut_cells
+    use brz_cut_driver, only: feel_loads, load_cut_carriers, move_cut_walls, press_by_cut_cells, &
+        stress_by_cut_cells
     use brz_cut_exchange_driver, only: renew_cut_cells
     use brz_errors, only: error_t
     use brz_reclassification_driver, only: move_on
@@ -71,6 +72,7 @@ contains
                                         solid%stride_p, solid%v, c%part%seat, solid%v_before, err)
             if (c%wall%cells%present) then
                 call press_by_cut_cells(c%ghosts, c, dt, err)
+                call stress_by_cut_cells(solid, c%ghosts, c, err)
             else
                 call share_impulses(c, err)
                 call press_bodies(c%ghosts, c, dt, err)
@@ -79,6 +81,7 @@ contains
             call send_loads_to_owners(solid, c, err)
         else if (c%wall%cells%present) then
             call press_by_cut_cells(solid, c, dt, err)
+            call stress_by_cut_cells(solid, solid, c, err)
         else
             call press_bodies(solid, c, dt, err)
             call stress_faces(solid, solid, c, err)

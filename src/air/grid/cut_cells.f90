@@ -61,6 +61,7 @@ module brz_cut_cells
         real(rk), allocatable :: fill(:) !! (n) share of volume that particles fill
         real(dp), allocatable :: mass(:) !! (n) of the particles near it, by tent weights [kg]
         real(dp), allocatable :: momentum(:, :) !! (3, n) likewise [kg m/s]
+        real(rk), allocatable :: above(:, :) !! (3, n) part of the mass above the node [kg]
         real(rk), allocatable :: all_force(:, :) !! (3, n) on the particles in the last step [N]
         real(rk), allocatable :: gas_load(:, :) !! (3, n) of the gas among it [N]
         real(rk), allocatable :: smooth(:), next_smooth(:) !! (n) fill, smoothed
@@ -72,6 +73,9 @@ module brz_cut_cells
         real(rk), allocatable :: ball(:) !! (n) largest radius of a ball of a thin part in the cell
         integer(int32), allocatable :: heaviest(:) !! (n) particle of the most mass there, 0: none
         real(dp), allocatable :: force(:, :) !! (3, n) load that the node hands to particles [N]
+        real(rk), allocatable :: from_low(:, :) !! (3, n) of that from gas on the low side [N]
+        real(rk), allocatable :: deeper(:, :) !! (6, n) of nodes deeper in the body, see
+                                              !! cut_sum_deeper [N]
         real(dp), allocatable :: moment(:, :) !! (3, n) its torque about the low corner [N m]
         real(dp), allocatable :: impedance(:, :) !! (3, n) loss of force of a node per velocity
                                                  !! [N s/m]
