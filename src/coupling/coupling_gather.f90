@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The coupling of all processes in one, for checkpoints, and back.
 module brz_coupling_gather
+    use brz_air_grid, only: nodes_along
     use brz_cell_shells, only: cell_at, number_of
     use brz_coupling_box, only: is_own
     use brz_coupling_state, only: coupling_t
@@ -118,7 +119,8 @@ contains
         associate (nodes => cells%nodes)
             high = nodes%own(:, 2)
             ! with the nodes at the end of the grid
-            where (nodes%before + high == nodes%whole .and. nodes%whole > 1) high = high + 1
+            where (nodes%before + high == nodes%whole) &
+                high = nodes_along(nodes%whole, nodes%wraps) - nodes%before
             do s = 1, cells%n
                 ijk = cell_at(nodes%n, cells%cell(s))
                 if (any(ijk < nodes%own(:, 1) .or. ijk > high)) cycle
@@ -144,7 +146,7 @@ contains
             integer(int32), intent(in) :: entry
 
             associate (nodes => cells%nodes)
-                in_grid = number_of(merge(nodes%whole + 1, 1, nodes%whole > 1), &
+                in_grid = number_of(nodes_along(nodes%whole, nodes%wraps), &
                                     nodes%before + cell_at(nodes%n, cells%cell(entry)))
             end associate
         end function in_grid
@@ -217,7 +219,7 @@ contains
 
         place = 0
         n = 0
-        whole = merge(cells%nodes%whole + 1, 1, cells%nodes%whole > 1) ! nodes of the grid
+        whole = nodes_along(cells%nodes%whole, cells%nodes%wraps) ! nodes of the grid
         associate (nodes => cells%nodes, held => cells%before)
             do e = 1, all%n
                 ijk = cell_at(whole, all%cell(e)) - nodes%before

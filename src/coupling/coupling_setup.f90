@@ -51,7 +51,7 @@ contains
         end if
         if (failed(err)) return
         if (case%coupling%scheme == 'cut_cells') then
-            call refuse_cut_cells(air, err)
+            call refuse_small_periods(air, err)
             if (failed(err)) return
             call judge_spacing(case, air, solid)
         end if
@@ -118,7 +118,7 @@ contains
             call open_halos(air, solid, coupling)
             call put_halos(coupling, none)
             if (by_cut_cells) call plan_share(air%part%ranks, coupling%part%boxes, &
-                coupling%part%halos, air%whole, coupling%wall%share)
+                coupling%part%halos, air%whole, coupling%wraps, coupling%wall%share)
             call restart_coupling(air, solid, coupling)
             if (by_cut_cells) then
                 call mix_clusters(air, coupling, none)
@@ -139,15 +139,17 @@ contains
         end if
     end subroutine couple
 
-    !> Refuse what this version does not compute by cut cells.
-    subroutine refuse_cut_cells(air, err)
+    !> Refuse a periodic direction in which what belongs to one image of a body would meet what
+    !> belongs to the next: clusters, and cells near a particle.
+    subroutine refuse_small_periods(air, err)
         type(air_t), intent(in) :: air
         type(error_t), intent(inout) :: err
+        integer, parameter :: least = 8 !! cells
 
-        if (any(air%bc == bc_periodic .and. spread(air%n > 1, 1, 2))) call raise(err, exit_deck, &
-            "this version does not have the coupling scheme='cut_cells' in a periodic box: "// &
-            'take wall_flux')
-    end subroutine refuse_cut_cells
+        if (any(air%bc(1, :) == bc_periodic .and. air%whole > 1 .and. air%whole < least)) &
+            call raise(err, exit_deck, "the coupling scheme='cut_cells' needs "//to_text(least)// &
+                       ' or more cells of the air in a periodic direction')
+    end subroutine refuse_small_periods
 
     !> Take out of the surface cells what gas the particles leave no room for, all of the others.
     subroutine empty_walls(air, solid, coupling)

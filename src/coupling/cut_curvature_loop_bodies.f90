@@ -20,7 +20,7 @@ module brz_cut_curvature_loop_bodies
 
 contains
 
-    !> Entry at a node near another. Beyond an end of the box lies its image.
+    !> Entry at a node near another. Beyond an end of the box lies its image, if not the other end.
     !@cuf attributes(host,device) &
     pure function entry_near(nodes, ijk, d, by, slot) result(s)
         type(node_grid_t), intent(in) :: nodes
@@ -32,6 +32,8 @@ contains
         do e = 1, 3
             to(e) = ijk(e)
             if (e /= d) cycle
+            to(e) = ijk(e) + by
+            if (nodes%wraps(e)) cycle
             to(e) = nodes%before(e) + ijk(e) + by
             if (to(e) < 1) to(e) = 2 - to(e)
             if (to(e) > nodes%whole(e) + 1) to(e) = 2*nodes%whole(e) + 2 - to(e)
@@ -119,8 +121,8 @@ contains
                 if (.not. has_normal(b, normal)) cycle
                 seen = seen + 1
                 ! an image has its normal turned
-                if (nodes%before(d) + ijk(d) + side < 1 &
-                    .or. nodes%before(d) + ijk(d) + side > nodes%whole(d) + 1) then
+                if (.not. nodes%wraps(d) .and. (nodes%before(d) + ijk(d) + side < 1 &
+                    .or. nodes%before(d) + ijk(d) + side > nodes%whole(d) + 1)) then
                     change = change + side*(-normal(d, b) - normal(d, s))
                 else
                     change = change + side*(normal(d, b) - normal(d, s))

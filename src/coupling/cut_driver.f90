@@ -187,6 +187,7 @@ contains
         call at_least(on_gpu, cells%heaviest, n, err)
         call at_least(on_gpu, cells%moment, 3, n, err)
         call at_least(on_gpu, cells%carrier, n, err)
+        call at_least(on_gpu, cells%turns, 3, n, err)
         call at_least(on_gpu, cells%kept, max_var + 1, n, err)
         call at_least(on_gpu, cells%all_force, 3, n, err)
         call at_least(on_gpu, cells%gas_load, 3, n, err)
@@ -402,10 +403,11 @@ contains
         end if
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
             if (.not. dt > 0) call for_each_cut_find_carrier(g, l%n, nodes, c%bodies, c%driven, &
-                l%cell, l%slot, l%area, l%mass, l%heaviest, p%fixed, l%carrier, err)
+                p%wide, l%cell, l%slot, l%area, l%mass, l%heaviest, p%fixed, p%x, l%carrier, &
+                l%turns, err)
             call for_each_cut_wall_velocity(g, l%n, nodes, c%bodies, c%driven, l%cell, l%slot, &
-                                            l%area, l%middle, l%mass, l%momentum, l%carrier, l%v, &
-                                            err)
+                                            l%area, l%middle, l%mass, l%momentum, l%carrier, &
+                                            l%turns, l%v, err)
             if (.not. dt > 0) then
                 call share_walls(c, .false.)
                 return
@@ -477,7 +479,7 @@ contains
                 if (c%driven(b)%carries /= carries_all) cycle
                 call for_each_cut_sum_push(c%on_gpu, l%n, c%ranks, b, l%nodes, air%scheme, &
                     c%reference_pressure, c%driven(b), l%cell, l%place, l%shut, l%area, l%middle, &
-                    l%v, l%carrier, air%u, push(:, b), err)
+                    l%v, l%carrier, l%turns, air%u, push(:, b), err)
             end do
         end associate
         call foresee_driven_bodies(solid, push, dt, c%driven)

@@ -11,14 +11,15 @@ module brz_cut_list_loop_bodies
     private
     public :: cut_cell_of, cut_mark, cut_mark_listed, cut_mark_unsettled, cut_unite_marks, &
         cut_widen, cut_set_slot, cut_find_beside, cut_find_home, cut_set_near
-    public :: entry_at, grid_cell_of, nodes_around
+    public :: entry_at, grid_cell_of, nodes_around, wrapped
 
     real(rk), parameter :: settled = 64*epsilon(1.0_rk) !! of a cell, in which gas may be off it
 
 contains
 
     !> Number of the cell of each particle in the grid of nodes. One beside the grid, so near that
-    !> it reaches the nodes at the end, counts to the last cell.
+    !> it reaches the nodes at the end, counts to the last cell; round a periodic direction one lies
+    !> in the grid wherever it is.
     !@loop_body
     !@cuf attributes(host,device) &
     pure subroutine cut_cell_of(p, nodes, wide, x, fixed, number, moved)
@@ -65,6 +66,7 @@ contains
             ijk(d) = 1
             if (nodes%n(d) == 1) cycle
             s = (x(d) - nodes%lo(d))/nodes%dx(d)
+            if (nodes%wraps(d)) s = s - nodes%whole(d)*floor(s/nodes%whole(d))
             near_box = near_box .and. s > -1 .and. s < nodes%whole(d) + 1
             if (near_box) ijk(d) = max(1, min(nodes%whole(d), floor(s) + 1))
         end do
@@ -72,6 +74,18 @@ contains
             if (.not. near_box) ijk(d) = 0
         end do
     end function grid_cell_of
+
+    !> Index of a node or cell: round a periodic direction it goes on from the other end.
+    !@cuf attributes(host,device) &
+    pure function wrapped(nodes, d, index) result(i)
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: index
+        integer :: i
+
+        i = index
+        if (nodes%wraps(d)) i = modulo(index - 1, nodes%n(d)) + 1
+    end function wrapped
 
     !> Mark the cells of the particles; all that lie in a cell write the same.
     !@loop_body
@@ -108,7 +122,7 @@ contains
         integer(int8), intent(in) :: from(*) !! what is listed without it
         integer(int8), intent(inout) :: mark(*) !! what is listed for it
         integer, intent(inout) :: found !@count such cells
-        integer :: d, i, ijk(3), j, k, high(3), low(3), next(3), side
+        integer :: d, i, ijk(3), j, k, high(3), low(3), m, next(3), side
         logical :: inside
 
         if (place(s) == 0) return
@@ -119,7 +133,7 @@ contains
         do d = 1, 3
             do side = -1, 1, 2
                 next = ijk
-                next(d) = ijk(d) + side
+                next(d) = wrapped(nodes, d, ijk(d) + side)
                 if (nodes%n(d) == 1 .or. next(d) < 1 .or. next(d) > nodes%n(d)) cycle
                 if (inside) inside = from(number_of(nodes%n, next)) /= 0
             end do
@@ -127,10 +141,11 @@ contains
         if (inside) return
         found = found + 1
         call nodes_around(nodes, ijk, near, near, low, high)
-        do k = max(low(3), 1), min(high(3), nodes%n(3))
-            do j = max(low(2), 1), min(high(2), nodes%n(2))
-                do i = max(low(1), 1), min(high(1), nodes%n(1))
-                    mark(i + nodes%n(1)*((j - 1) + nodes%n(2)*(k - 1))) = 1_int8
+        do k = low(3), high(3)
+            do j = low(2), high(2)
+                do i = low(1), high(1)
+                    m = number_at(nodes, i, j, k)
+                    if (m > 0) mark(m) = 1_int8
                 end do
             end do
         end do
@@ -156,7 +171,7 @@ contains
         integer, intent(in) :: d !! direction
         integer(int8), intent(in) :: from(*)
         integer(int8), intent(inout) :: to(*)
-        integer :: i, ijk(3), m, step
+        integer :: i, ijk(3), m, next, step
 
         to(c) = from(c)
         if (nodes%n(d) == 1) return
@@ -166,8 +181,9 @@ contains
             step = step*nodes%n(i - 1)
         end do
         do m = -near, near
-            if (ijk(d) + m < 1 .or. ijk(d) + m > nodes%n(d)) cycle
-            if (from(c + m*step) /= 0) to(c) = 1_int8
+            next = wrapped(nodes, d, ijk(d) + m)
+            if (next < 1 .or. next > nodes%n(d)) cycle
+            if (from(c + (next - ijk(d))*step) /= 0) to(c) = 1_int8
         end do
     end subroutine cut_widen
 
@@ -235,11 +251,28 @@ contains
         integer(int32), intent(in) :: slot(*)
         integer :: s
 
-        s = 0
-        if (i < 1 .or. j < 1 .or. k < 1) return
-        if (i > nodes%n(1) .or. j > nodes%n(2) .or. k > nodes%n(3)) return
-        s = slot(i + nodes%n(1)*((j - 1) + nodes%n(2)*(k - 1)))
+        s = number_at(nodes, i, j, k)
+        if (s > 0) s = slot(s)
     end function entry_at
+
+    !> Number of a node of the grid; 0 beyond its ends, see wrapped.
+    !@cuf attributes(host,device) &
+    pure function number_at(nodes, i, j, k) result(number)
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: i, j, k
+        integer(int32) :: number
+        integer :: at(3), d
+
+        number = 0
+        at(1) = i
+        at(2) = j
+        at(3) = k
+        do d = 1, 3
+            at(d) = wrapped(nodes, d, at(d))
+            if (at(d) < 1 .or. at(d) > nodes%n(d)) return
+        end do
+        number = number_of(nodes%n, at)
+    end function number_at
 
     !> Find the entries across the faces of a cell.
     !@loop_body
@@ -257,7 +290,7 @@ contains
                 beside(2*d - 1 + side, s) = 0
                 if (nodes%n(d) == 1 .or. place(s) == 0) cycle
                 to = ijk
-                to(d) = ijk(d) + 2*side - 1
+                to(d) = wrapped(nodes, d, ijk(d) + 2*side - 1)
                 if (to(d) < 1 .or. to(d) > nodes%cells(d)) cycle
                 beside(2*d - 1 + side, s) = entry_at(nodes, to(1), to(2), to(3), slot)
             end do

@@ -5,7 +5,7 @@ module brz_cut_motion_loop_bodies
     use brz_air_grid, only: cell_at, is_between
     use brz_cut_cells, only: bare, node_grid_t, see_image
     use brz_cut_list_loop_bodies, only: entry_at, nodes_around
-    use brz_cut_node_loop_bodies, only: tent
+    use brz_cut_node_loop_bodies, only: tent, turns_to
     use brz_driven_body_rules, only: add_force, add_yield, carried_velocity, driven_body_at, &
         carries_all, driven_body_t, is_carried
     use brz_gas, only: to_primitive
@@ -26,46 +26,55 @@ module brz_cut_motion_loop_bodies
 
 contains
 
-    !> Place of the middle of the wall in a cell [m].
+    !> Place of the middle of the wall in a cell, or in its image at the body that carries it [m].
     !@cuf attributes(host,device) &
-    pure function wall_place(nodes, number, middle, d) result(x)
+    pure function wall_place(nodes, number, turns, middle, d) result(x)
         type(node_grid_t), intent(in) :: nodes
         integer(int32), intent(in) :: number !! of the cell
+        integer(int32), intent(in) :: turns(3) !! periods to the image
         real(rk), intent(in) :: middle(3)
         integer, intent(in) :: d !! direction
         real(dp) :: x
         integer :: ijk(3)
 
         ijk = cell_at(nodes%n, number)
-        x = nodes%lo(d) + (nodes%before(d) + ijk(d) - 1 + middle(d))*nodes%dx(d)
+        x = nodes%lo(d) + (nodes%before(d) + ijk(d) - 1 + turns(d)*nodes%whole(d) + middle(d)) &
+            *nodes%dx(d)
     end function wall_place
 
     !> The body that carries the wall in a cell, by the heaviest particle at its heaviest node; 0
-    !> where the particles there move as they like or there is no wall.
+    !> where the particles there move as they like or there is no wall. In a periodic box the image
+    !> of the cell beside that particle is part of the body.
     !@loop_body if(27*n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine cut_find_carrier(s, nodes, bodies, driven, cell, slot, area, mass, heaviest, &
-                                     fixed, carrier)
+    pure subroutine cut_find_carrier(s, nodes, bodies, driven, wide, cell, slot, area, mass, &
+                                     heaviest, fixed, x, carrier, turns)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
         integer, intent(in) :: bodies
         type(driven_body_t), intent(in) :: driven(bodies)
+        integer, intent(in) :: wide !! rows of x
         integer(int32), intent(in) :: cell(*), slot(*)
         real(rk), intent(in) :: area(3, *)
         real(dp), intent(in) :: mass(*) !! of the nodes
         integer(int32), intent(in) :: heaviest(*) !! particle at each node
         integer(int32), intent(in) :: fixed(*)
+        real(dp), intent(in) :: x(wide, *) !! [m]
         integer(int32), intent(inout) :: carrier(*)
-        integer :: b, high(3), i, ijk(3), j, k, low(3), node, p, wide
+        integer(int32), intent(inout) :: turns(3, *) !! periods from the cell to the image
+        integer :: b, d, far, high(3), i, ijk(3), j, k, low(3), node, p
         real(dp) :: most
 
         carrier(s) = 0
+        do d = 1, 3
+            turns(d, s) = 0
+        end do
         if (.not. abs(area(1, s)) + abs(area(2, s)) + abs(area(3, s)) > 0) return
         ijk = cell_at(nodes%n, cell(s))
         most = 0
         p = 0
-        do wide = 0, 1
-            call nodes_around(nodes, ijk, wide, 1 + wide, low, high)
+        do far = 0, 1
+            call nodes_around(nodes, ijk, far, 1 + far, low, high)
             do k = low(3), high(3)
                 do j = low(2), high(2)
                     do i = low(1), high(1)
@@ -81,7 +90,11 @@ contains
         end do
         if (p == 0) return
         b = driven_body_at(bodies, driven, p)
-        if (is_carried(driven(b)%carries, fixed(p) == is_fixed)) carrier(s) = b
+        if (.not. is_carried(driven(b)%carries, fixed(p) == is_fixed)) return
+        carrier(s) = b
+        do d = 1, 3
+            turns(d, s) = turns_to(nodes, d, ijk(d), x(d, p))
+        end do
     end subroutine cut_find_carrier
 
     !> Velocity of the wall in a cell, at its middle: that of the body that carries it, else the
@@ -89,7 +102,7 @@ contains
     !@loop_body if(27*n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
     pure subroutine cut_wall_velocity(s, nodes, bodies, driven, cell, slot, area, middle, mass, &
-                                      momentum, carrier, v)
+                                      momentum, carrier, turns, v)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
         integer, intent(in) :: bodies
@@ -97,20 +110,22 @@ contains
         integer(int32), intent(in) :: cell(*), slot(*)
         real(rk), intent(in) :: area(3, *), middle(3, *)
         real(dp), intent(in) :: mass(*), momentum(3, *)
-        integer(int32), intent(in) :: carrier(*)
+        integer(int32), intent(in) :: carrier(*), turns(3, *)
         real(rk), intent(inout) :: v(3, *)
         real(dp) :: all, at(3), p(3), weight
         real(rk) :: w(3), x(3)
         integer :: d, high(3), i, ijk(3), j, k, low(3), node, wide, to(3)
         logical :: turned(3)
+        integer(int32) :: image(3)
 
         do d = 1, 3
             v(d, s) = 0
             x(d) = middle(d, s)
+            image(d) = turns(d, s)
         end do
         if (.not. abs(area(1, s)) + abs(area(2, s)) + abs(area(3, s)) > 0) return
         do d = 1, 3
-            at(d) = wall_place(nodes, cell(s), x, d)
+            at(d) = wall_place(nodes, cell(s), image, x, d)
             p(d) = 0
         end do
         if (carrier(s) > 0) then
@@ -257,7 +272,7 @@ contains
     !@loop_body
     !@cuf attributes(host,device) &
     pure subroutine cut_sum_push(s, body, nodes, scheme, reference, driven, cell, place, shut, &
-                                 area, middle, v, carrier, u, push)
+                                 area, middle, v, carrier, turns, u, push)
         integer, intent(in) :: s !! entries
         integer, intent(in) :: body !! its number
         type(node_grid_t), intent(in) :: nodes
@@ -266,21 +281,23 @@ contains
         type(driven_body_t), intent(in) :: driven
         integer(int32), intent(in) :: cell(*), place(*), shut(*)
         real(rk), intent(in) :: area(3, *), middle(3, *), v(3, *)
-        integer(int32), intent(in) :: carrier(*)
+        integer(int32), intent(in) :: carrier(*), turns(3, *)
         real(rk), intent(in) :: u(*)
         real(dp), intent(inout) :: push(18) !@exact n_push of brz_driven_body_rules
         real(dp) :: arm(3)
         real(rk) :: force(3), x(3), yield(3)
         integer :: d
+        integer(int32) :: image(3)
 
         if (carrier(s) /= body .or. shut(s) /= 0) return
         if (.not. is_between(nodes%n, nodes%own, cell(s))) return
         call push_on_wall(s, nodes, scheme, reference, place, area, v, u, force, yield)
         do d = 1, 3
             x(d) = middle(d, s)
+            image(d) = turns(d, s)
         end do
         do d = 1, 3
-            arm(d) = wall_place(nodes, cell(s), x, d) - driven%centre(d)
+            arm(d) = wall_place(nodes, cell(s), image, x, d) - driven%centre(d)
         end do
         call add_force(arm, force, push)
         call add_yield(arm, yield, push)
@@ -373,7 +390,7 @@ contains
         real(dp), intent(in) :: moment(3, *) !! about the low corner of the grid [N m]
         real(dp), intent(inout) :: push(6) !@exact force [N], torque [N m]
         real(dp) :: arm(3), share, y(3)
-        integer :: at(3), c, d, i, ijk(3), j, k, part, s
+        integer :: at(3), c, d, i, ijk(3), j, k, node(3), part, s
 
         part = first - 1 + p
         if (home(part) == 0) return
@@ -382,7 +399,6 @@ contains
         ijk = cell_at(nodes%n, cell(home(part)))
         do d = 1, 3
             y(d) = x(d, part)
-            arm(d) = driven%centre(d) - nodes%lo(d)
         end do
         do c = 0, 7
             do d = 1, 3
@@ -392,6 +408,11 @@ contains
             if (s == 0) cycle
             if (.not. node_mass(s) > 0) cycle
             share = mass(part)*tent(nodes, at, y)/node_mass(s)
+            node = cell_at(nodes%n, cell(s))
+            do d = 1, 3 ! from the low corner of the grid, or its image, to the centre
+                arm(d) = driven%centre(d) - nodes%lo(d) &
+                         - turns_to(nodes, d, node(d), y(d))*nodes%whole(d)*nodes%dx(d)
+            end do
             do d = 1, 3
                 i = mod(d, 3) + 1
                 j = mod(d + 1, 3) + 1

@@ -4,7 +4,8 @@
 !>
 !> Beyond a plane at the end of the box stands the image of a body that ends there: it fills a node
 !> on the plane as much as the body itself does, and moves as this does where it is one of symmetry.
-!> A body with particles beyond the plane goes on.
+!> A body with particles beyond the plane goes on. Round a periodic direction a node sees the image
+!> of a particle that is nearest to it.
 module brz_cut_node_loop_bodies
     use brz_air_grid, only: cell_at
     use brz_cut_cells, only: at_corner, node_grid_t
@@ -16,7 +17,7 @@ module brz_cut_node_loop_bodies
     public :: cut_fill_corner, cut_fill_node, cut_see_fill, cut_find_thickest, cut_find_ball, &
         cut_find_largest, &
         cut_find_distance, cut_search_octant
-    public :: tent, place_in_cells
+    public :: tent, turns_to
 
     ! rows of the sums at corners; + 1..3
     integer, parameter :: row_fill = 1, row_beyond = 2, row_mass = 3, row_most = 4
@@ -35,6 +36,31 @@ contains
         at = (x - nodes%lo(d))/nodes%dx(d)
     end function place_in_cells
 
+    !> Periods from a node to the image of it that is nearest to a place.
+    !@cuf attributes(host,device) &
+    pure function turns_to(nodes, d, i, x) result(turns)
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: d, i !! direction, index of the node
+        real(dp), intent(in) :: x !! [m]
+        integer :: turns
+
+        turns = 0
+        if (nodes%wraps(d)) turns = floor((place_in_cells(nodes, d, x) - (i - 1))/nodes%whole(d) &
+                                          + 0.5_dp)
+    end function turns_to
+
+    !> Way along a direction from a node, or its image nearest to a place, to that place, in cells.
+    !@cuf attributes(host,device) &
+    pure function way_from(nodes, d, i, x) result(way)
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: d, i !! direction, index of the node
+        real(dp), intent(in) :: x !! [m]
+        real(dp) :: way
+
+        way = place_in_cells(nodes, d, x) &
+              - (nodes%before(d) + i - 1 + turns_to(nodes, d, i, x)*nodes%whole(d))
+    end function way_from
+
     !> Weight of a particle at a node.
     !@cuf attributes(host,device) &
     pure function tent(nodes, ijk, x) result(weight)
@@ -47,8 +73,7 @@ contains
         weight = 1
         do d = 1, 3
             if (nodes%n(d) == 1) cycle
-            weight = weight*max(0.0_dp, 1 - abs(place_in_cells(nodes, d, x(d)) &
-                                                - (nodes%before(d) + ijk(d) - 1)))
+            weight = weight*max(0.0_dp, 1 - abs(way_from(nodes, d, ijk(d), x(d))))
         end do
     end function tent
 
@@ -163,7 +188,7 @@ contains
         end do
         all(row_fill) = all(row_fill)/nodes%volume
         do d = 1, 3
-            if (nodes%n(d) == 1 .or. all(row_beyond) > 0) cycle
+            if (nodes%n(d) == 1 .or. nodes%wraps(d) .or. all(row_beyond) > 0) cycle
             low = nodes%before(d) + ijk(d) == 1
             if (.not. (low .or. nodes%before(d) + ijk(d) == nodes%whole(d) + 1)) cycle
             all(row_fill) = 2*all(row_fill)
@@ -233,7 +258,7 @@ contains
 
         beyond = .false.
         do d = 1, 3
-            if (nodes%n(d) == 1) cycle
+            if (nodes%n(d) == 1 .or. nodes%wraps(d)) cycle
             beyond = beyond .or. x(d) < nodes%lo(d) &
                      .or. x(d) > nodes%lo(d) + nodes%whole(d)*nodes%dx(d)
         end do
@@ -405,8 +430,7 @@ contains
             if (.not. radius(part) > 0) cycle
             square = 0
             do d = 1, 3
-                if (nodes%n(d) > 1) square = square &
-                    + (place_in_cells(nodes, d, x(d, part)) - (nodes%before(d) + ijk(d) - 1))**2
+                if (nodes%n(d) > 1) square = square + way_from(nodes, d, ijk(d), x(d, part))**2
             end do
             least = min(least, real(sqrt(square), rk) - radius(part))
         end do

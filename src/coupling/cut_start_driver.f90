@@ -2,6 +2,7 @@
 !> Cut cells at the start, from a checkpoint, and on their way to a GPU, which begins as from a
 !> checkpoint.
 module brz_cut_start_driver
+    use brz_air_grid, only: nodes_along
     use brz_air_state, only: air_t, bc_symmetry
     use brz_bodies, only: bodies_t
     use brz_coupling_state, only: coupling_t
@@ -34,7 +35,8 @@ contains
             cells%nodes%own = c%box%own
             cells%nodes%mirrors = air%outer == bc_symmetry .and. spread(air%n > 1, 1, 2)
             cells%nodes%cells = c%box%n
-            cells%nodes%n = merge(c%box%n + 1, 1, air%n > 1)
+            cells%nodes%wraps = c%wraps
+            cells%nodes%n = nodes_along(c%box%n, c%wraps)
             cells%nodes%dimensions = count(air%n > 1)
             cells%nodes%lo = air%lo
             cells%nodes%dx = air%dx

@@ -3,7 +3,7 @@
 module gpu_cut_scene
     use brz_air_driver, only: air_step
     use brz_air_setup, only: make_grid
-    use brz_air_state, only: air_ok, air_t, bc_outflow, bc_wall, cell_gamma
+    use brz_air_state, only: air_ok, air_t, bc_outflow, bc_periodic, bc_wall, cell_gamma
     use brz_air_sums, only: air_time_step
     use brz_coupling_copy, only: fastest_wall, fetch_coupling, fetch_diagnostics, open_gpu_coupling
     use brz_coupling_setup, only: couple
@@ -41,15 +41,17 @@ module gpu_cut_scene
 
 contains
 
-    !> A box of still air between walls along y.
-    subroutine begin(cells, s, products)
+    !> A box of still air between walls along y, or a periodic one.
+    subroutine begin(cells, s, products, periodic)
         integer, intent(in) :: cells(3)
         type(cut_pair_t), intent(out) :: s
         logical, intent(in), optional :: products !! a second gas
+        logical, intent(in), optional :: periodic !! in all directions
 
         s%air%present = .true.
         s%air%bc = bc_outflow
         s%air%bc(:, 2) = bc_wall
+        if (present(periodic)) s%air%bc = bc_periodic
         s%air%scheme%reconstruction = muscl_cells
         s%air%scheme%flux = hllc
         s%air%n_stages = 2

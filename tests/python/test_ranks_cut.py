@@ -36,7 +36,16 @@ TORN = """\
 CORNER = 0.24, 0.24, 0.04
 
 
-def write_bodies(folder):
+# The same on the ends of a periodic direction, in which no process is cut: all lies higher by UP.
+UP = np.array([0, 0.16, 0])
+ROUND = (
+    TORN.replace("'outflow', 'wall', 'outflow'", "'outflow', 'periodic', 'periodic'")
+    .replace("0.05, 0.35,  -1, 2", "0.21, 0.39,  -1, 2")
+    .replace("0.29, 0.3, 0.04", "0.29, 0.405, 0.04")
+)
+
+
+def write_bodies(folder, up=0 * UP):
     """The points of the sheet, and of the cube with their velocities."""
     way, height = np.meshgrid(np.arange(0, 0.1, 6e-3), np.arange(3e-3, 0.08, 6e-3))
     sheet = np.array([0.25 + 0.94 * way, 0.14 + 0.34 * way, height]).reshape(3, -1)
@@ -45,6 +54,7 @@ def write_bodies(folder):
     apart = 1e4 * cube + np.random.default_rng(1).uniform(-40, 40, cube.shape)
     named = {"sheet": sheet, "torn": np.vstack([cube + np.reshape(CORNER, (3, 1)), apart])}
     for name, rows in named.items():
+        rows[:3] += up[:, None]
         head = "x,y,z,velocity_x,velocity_y,velocity_z"[: 5 if name == "sheet" else None]
         np.savetxt(folder / f"{name}.csv", rows.T, delimiter=",", header=head, comments="")
 
@@ -85,6 +95,26 @@ def test_cut_cells_go_on_on_other_processes(n, m, alone, tmp_path):
         done = start(ranks, "run", "deck.nml", "--out", "out", *more, cwd=tmp_path)
         assert done.returncode in (0, 3), done.stderr
     equal_states(alone(), tmp_path / "out")
+
+
+@needs_mpirun
+def test_cut_cells_round_the_ends_do_not_depend_on_processes(tmp_path):
+    """On one, three, and two that hand over to three."""
+    assert ROUND.count("periodic") == 2
+    assert "0.21, 0.39" in ROUND and "0.405" in ROUND
+    write_bodies(tmp_path, UP)
+    for n in (0, 3):
+        go(n, ROUND, tmp_path, out=str(n))
+    equal_runs(tmp_path / "0", tmp_path / "3")
+    state = arrays(sorted((tmp_path / "3").glob("chk_??????.h5"))[-1])
+    x = state["solid/x"][-216:, 1]
+    assert x.min() < 0.39 and x.max() > 0.41
+    boxes = state["air/boxes"].reshape(-1, 6)
+    assert (boxes[:, 1] == 1).all() and (boxes[:, 4] == 40).all()
+    for n, *more in ((2, "--set", "run.max_steps=35"), (3, "--restart", "latest")):
+        done = start(n, "run", "deck.nml", "--out", "2", *more, cwd=tmp_path)
+        assert done.returncode in (0, 3), done.stderr
+    equal_states(tmp_path / "0", tmp_path / "2")
 
 
 # A disc that flies through the boxes of three; bodies that are bonded, and that sleep.

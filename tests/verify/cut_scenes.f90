@@ -64,11 +64,12 @@ contains
     end subroutine carry
 
     !> One step of air and body, of at most dt_max.
-    subroutine ride(scene, dt_max)
+    subroutine ride(scene, dt_max, cfl)
         type(box_scene_t), intent(inout) :: scene
         real(dp), intent(in) :: dt_max
+        real(dp), intent(in), optional :: cfl !! else 0.5
 
-        call march(scene, dt_max)
+        call march(scene, dt_max, cfl)
         call move(scene)
         call reclassify(scene%air, scene%solid, scene%coupling)
     end subroutine ride
@@ -139,12 +140,16 @@ contains
     end function sheet
 
     !> One step of the air, of at most dt_max.
-    subroutine march(scene, dt_max)
+    subroutine march(scene, dt_max, cfl)
         type(box_scene_t), intent(inout) :: scene
         real(dp), intent(in) :: dt_max
+        real(dp), intent(in), optional :: cfl !! else 0.5
         integer :: status
+        real(dp) :: courant
 
-        scene%dt = min(air_time_step(scene%air, scene%coupling%wall, 0.5_dp), dt_max)
+        courant = 0.5_dp
+        if (present(cfl)) courant = cfl
+        scene%dt = min(air_time_step(scene%air, scene%coupling%wall, courant), dt_max)
         call set_wall_velocity(scene%air, scene%solid, scene%coupling, scene%dt)
         call air_step(scene%air, scene%coupling%wall, scene%dt, status)
         scene%failed = scene%failed .or. status /= air_ok

@@ -64,7 +64,7 @@ contains
 
         call random%seed(number)
         call draw_box(random, s)
-        if (cut) where (s%air%bc == bc_periodic) s%air%bc = bc_wall
+        if (cut) where (s%air%bc == bc_periodic .and. spread(s%air%n < 8, 1, 2)) s%air%bc = bc_wall
         call draw_gas(random, s)
         call keep_outside(s%air)
         call draw_bodies(s%air, rho0, c0, random, s%solid, s%bodies, speed)

@@ -10,7 +10,7 @@ module brz_air_grid
     public :: first_cell, line_start, lines_along, faces_of_bricks
     public :: rate_none, rate_in_flux, rate_in_new, near_cut
     public :: faces_of_a_thread
-    public :: brick, column, rest_t, brick_of, brick_start, layers_around
+    public :: brick, column, rest_t, brick_of, brick_start, layers_around, nodes_along
 
     integer, parameter :: rate_none = 0, rate_in_flux = 1, rate_in_new = 2
     !! where the rates of the directions before one are: nowhere, the x fluxes, the next state
@@ -231,6 +231,15 @@ contains
         layers = merge((reach - 1)/brick + 1, 0, n > 1)
         where (n > 1 .and. periodic .and. mod(n, brick) > 0) layers = layers + 1
     end function layers_around
+
+    !> Corners of cells along a direction: round a periodic one those at both ends are the same.
+    elemental integer function nodes_along(cells, periodic) result(nodes)
+        integer, intent(in) :: cells
+        logical, intent(in) :: periodic
+
+        nodes = cells
+        if (cells > 1 .and. .not. periodic) nodes = cells + 1
+    end function nodes_along
 
     !> Variable in a slot of a state turned into direction d, as the table `turned` has it.
     !@cuf attributes(host,device) &

@@ -4,8 +4,9 @@
 !>
 !> The list has all cells within `near` cells of one that holds particles, in memory order of the
 !> grid of nodes: entry s is the cell with that number, and the node at its low corner. At the high
-!> end of a direction there is one more node than cells; an entry there is a node alone. All other
-!> cells are gas with open faces. Of several processes each has a list of its halo, whose entries in
+!> end of a direction there is one more node than cells; an entry there is a node alone. Round a
+!> periodic direction there is none: the nodes at both ends are the same. All other cells are gas
+!> with open faces. Of several processes each has a list of its halo, whose entries in
 !> the boxes of others hold what these have found, see brz_cut_share.
 !>
 !> Lengths, areas and volumes in arrays are in cells, and faces go by 2d - 1 (low) and 2d (high).
@@ -29,6 +30,7 @@ module brz_cut_cells
                                  !! is a halo
         integer :: own(3, 2) = 1 !! first and last cell of this process
         logical :: mirrors(2, 3) = .false. !! a plane of symmetry is at this end of the grid
+        logical :: wraps(3) = .false. !! periodic directions, whole in the box of each process
         integer :: dimensions = 0 !! directions that are modelled
         real(dp) :: lo(3) = 0 !! low corner of the grid [m]
         real(dp) :: dx(3) = 1 !! sides of a cell [m]
@@ -91,6 +93,7 @@ module brz_cut_cells
         real(rk), allocatable :: press(:, :) !! (3, n) force on the wall if it keeps its motion [N]
         real(rk), allocatable :: give(:, :) !! (3, n) loss of it per velocity [N s/m]
         integer(int32), allocatable :: carrier(:) !! (n) body that carries the wall, 0: none
+        integer(int32), allocatable :: turns(:, :) !! (3, n) periods to its image there
         real(rk), allocatable :: volume(:) !! (n) of the gas, integrated
         real(rk), allocatable :: held(:) !! (n) gas by which clusters are made
         real(rk), allocatable :: swept(:) !! (n) what it gains in the step

@@ -3,7 +3,7 @@
 !> follows from particles alone it computes for the whole list; what is integrated, or depends on
 !> cells beyond the halo, comes from the process in whose box the cell is.
 module brz_cut_share
-    use brz_air_grid, only: cell_at, number_of
+    use brz_air_grid, only: cell_at, nodes_along, number_of
     use brz_boxes, only: cells_t
     use brz_cut_cells, only: cut_cells_t
     use brz_fetch, only: fetch, fetch_rows, fetch_t, plan_fetch
@@ -23,10 +23,11 @@ contains
 
     !> Find out with whom this process has to speak. The nodes at the high ends of the grid belong
     !> with the cells beside them.
-    subroutine plan_share(ranks, boxes, halos, n, share)
+    subroutine plan_share(ranks, boxes, halos, n, wraps, share)
         type(ranks_t), intent(in) :: ranks
         type(cells_t), intent(in) :: boxes(0:), halos(0:) !! (processes) cells of each, and its halo
         integer, intent(in) :: n(3) !! cells of the grid
+        logical, intent(in) :: wraps(3) !! periodic directions, which are not cut
         type(cut_share_t), intent(inout) :: share
         type(cells_t) :: owners(0:ranks%n - 1), wanted(0:ranks%n - 1)
         integer :: r
@@ -37,7 +38,7 @@ contains
             owners(r) = with_nodes(boxes(r))
             wanted(r) = with_nodes(halos(r))
         end do
-        call plan_fetch(ranks, owners, wanted, merge(n + 1, 1, n > 1), spread(.false., 1, 3), 1, &
+        call plan_fetch(ranks, owners, wanted, nodes_along(n, wraps), spread(.false., 1, 3), 1, &
                         share%plan)
 
     contains
@@ -47,7 +48,7 @@ contains
             type(cells_t), intent(in) :: cells
 
             nodes = cells
-            where (nodes%hi == n .and. n > 1) nodes%hi = n + 1
+            where (nodes%hi == n) nodes%hi = nodes_along(n, wraps)
         end function with_nodes
     end subroutine plan_share
 

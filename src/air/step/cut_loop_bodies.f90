@@ -15,7 +15,7 @@ module brz_cut_loop_bodies
     use brz_boundary_codes, only: bc_outflow
     use brz_cut_cells, only: bare, node_grid_t, see_image
     use brz_face_flux, only: cut_face, cut_fraction
-    use brz_fallback_loop_bodies, only: is_touched, mark_cell, put_edge, to_lose, to_redo
+    use brz_fallback_loop_bodies, only: is_touched, mark_cell, neighbour, put_edge, to_lose, to_redo
     use brz_gas, only: to_primitive
     use brz_kinds, only: int32, int64, int8, rk
     use brz_positivity, only: is_fixed, is_lowered, lost_mark
@@ -141,8 +141,8 @@ contains
 
         below = at - merge(nodes%grid%step(d), 0, side == 0)
         low = index - merge(1, 0, side == 0)
-        mark(1) = bad(below)
-        mark(2) = bad(below + nodes%grid%step(d))
+        mark(1) = bad(at)
+        mark(2) = bad(neighbour(d, 2*side - 1, nodes%grid, at, index))
         do c = 1, max_var
             f(c) = 0
         end do
@@ -184,32 +184,35 @@ contains
         real(rk), intent(in) :: aperture(6, *)
         real(rk), intent(out) :: apart(-2:2)
         integer :: entry, first, from, index, m, row
-        logical :: turned
+        logical :: turned, wraps
 
         do m = -2, 2
             apart(m) = 1
         end do
+        wraps = nodes%wraps(d)
         ! beside a cell that is not listed, whose sweep knows of no shares
-        if (beside(2*d - 1 + side, s) == 0 .and. low >= 1 .and. low < nodes%cells(d)) return
+        if (beside(2*d - 1 + side, s) == 0 &
+            .and. (wraps .or. (low >= 1 .and. low < nodes%cells(d)))) return
         do m = -2, 2
-            ! the face above cell index; beyond a mirror that of its image
+            ! the face above cell index; beyond a mirror that of its image, while a periodic
+            ! direction goes on
             index = low + m
-            turned = index < 0 .or. index > nodes%cells(d)
-            if (index < 0 .and. nodes%grid%bc(1, d) == bc_outflow) cycle
-            if (index > nodes%cells(d) .and. nodes%grid%bc(2, d) == bc_outflow) cycle
-            if (index < 0) index = -index
-            if (index > nodes%cells(d)) index = 2*nodes%cells(d) - index
-            if (turned .and. (index < 0 .or. index > nodes%cells(d))) cycle
+            turned = .not. wraps .and. (index < 0 .or. index > nodes%cells(d))
+            if (turned) then
+                if (nodes%grid%bc(merge(1, 2, index < 0), d) == bc_outflow) cycle
+                index = merge(-index, 2*nodes%cells(d) - index, index < 0)
+                if (index < 0 .or. index > nodes%cells(d)) cycle
+            end if
             ! walk from this cell to the one below that face or, at the low end, above it
             from = low + merge(1, 0, side == 0)
             row = 2*d
             first = index
-            if (index == 0) then
+            if (index == 0 .and. .not. wraps) then
                 first = 1
                 row = 2*d - 1
             end if
             entry = walk(d, s, from, first, beside)
-            if (entry == 0 .and. index >= 1 .and. index < nodes%cells(d)) then
+            if (entry == 0 .and. (wraps .or. (index >= 1 .and. index < nodes%cells(d)))) then
                 entry = walk(d, s, from, index + 1, beside)
                 row = 2*d - 1
             end if
@@ -338,7 +341,7 @@ contains
         real(rk) :: speed
         real(rk) :: away, far, from(5), gamma, here(5), long, near, wide, weight, weights
         integer(int64) :: at
-        integer :: d, e, next, q, root(3), row
+        integer :: d, e, next, q, root(3), row, way
         logical :: turned
 
         speed = du
@@ -354,7 +357,10 @@ contains
         do d = 1, 3
             if (nodes%n(d) == 1) cycle
             near = near + here(1 + d)*n(d)
-            away = away + (ijk(d) - root(d) + middle(d, s) - 0.5_rk)*n(d)*real(nodes%dx(d), rk)
+            way = ijk(d) - root(d)
+            if (nodes%wraps(d)) way = modulo(way + nodes%cells(d)/2, nodes%cells(d)) &
+                                      - nodes%cells(d)/2
+            away = away + (way + middle(d, s) - 0.5_rk)*n(d)*real(nodes%dx(d), rk)
             wide = wide + n(d)**2*real(nodes%dx(d), rk)
             row = merge(2*d - 1, 2*d, n(d) > 0)
             if (.not. aperture(row, q) > 0) cycle
@@ -362,13 +368,13 @@ contains
             if (next == 0) then
                 e = root(d) + merge(-1, 1, n(d) > 0)
                 call see_image(nodes, d, 0, e, turned)
-                if (e < 1 .or. e > nodes%cells(d)) cycle
+                if (.not. nodes%wraps(d) .and. (e < 1 .or. e > nodes%cells(d))) cycle
             else
                 if (master(next) == q) cycle
                 turned = .false.
             end if
             at = place(q)
-            if (.not. turned) at = at + merge(-1, 1, n(d) > 0)*nodes%grid%step(d)
+            if (.not. turned) at = neighbour(d, merge(-1, 1, n(d) > 0), nodes%grid, at, root(d))
             call state_at(nodes, scheme, at, u, gamma, from)
             if (turned) from(1 + d) = -from(1 + d)
             weight = n(d)**2

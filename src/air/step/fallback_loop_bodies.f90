@@ -19,6 +19,7 @@ module brz_fallback_loop_bodies
     implicit none
     private
     public :: is_touched, redo_rates, mark_cell, put_edge, count_marked, to_redo, to_lose, to_hold
+    public :: neighbour
 
     ! what a pass over the cells is for: compute marked cells and their neighbours again; or look at
     ! marked cells alone: is the Euler step a state at all, must they be held?
