@@ -52,7 +52,14 @@ contains
             air%device%grid%walls = 2
             air%grid%walls = 2
             call enter_cut_cells(c%wall%cells, err)
-            call begin_cut_cells(air, solid, solid, solid, c, err)
+            if (several(air%part%ranks)) then
+                call open_windows_of_gpus(air, c, err)
+                call put_halos(c, err)
+                call renew_coupling_ghosts(solid, c, err)
+                call begin_cut_cells(air, solid, c%ghost_bodies, c%ghosts, c, err)
+            else
+                call begin_cut_cells(air, solid, solid, solid, c, err)
+            end if
         else if (several(air%part%ranks)) then
             call open_windows_of_gpus(air, c, err)
             call put_halos(c, err)

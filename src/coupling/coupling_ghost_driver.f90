@@ -3,7 +3,7 @@
 !> what goes back: their loads. See brz_coupling_part.
 module brz_coupling_ghost_driver
     use brz_driven_body_driver, only: sum_shifts
-    use brz_coupling_ghosts, only: find_runs, send_coupling_ghosts
+    use brz_coupling_ghosts, only: find_runs, needs_volumes, send_coupling_ghosts
     use brz_coupling_part, only: introduce, list_now, may_have_come
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t
@@ -161,7 +161,7 @@ contains
         end if
         call at_least(c%on_gpu, c%ghosts%v_before, 3, n, err)
         call at_least(c%on_gpu, c%ghosts%mass, n, err)
-        if (.not. c%on_gpu) call at_least(.false., c%ghosts%volume, n, err)
+        if (needs_volumes(c)) call at_least(c%on_gpu, c%ghosts%volume, n, err)
         call at_least(c%on_gpu, c%ghosts%id, n, err)
         call at_least(c%on_gpu, c%ghosts%fixed, n, err)
         call at_least(c%on_gpu, c%cell_of, n, err)

@@ -14,7 +14,7 @@ module brz_coupling_ghosts
     use brz_bodies, only: bodies_t
     implicit none
     private
-    public :: open_halos, find_runs, send_coupling_ghosts
+    public :: open_halos, find_runs, send_coupling_ghosts, needs_volumes
 
     integer, parameter :: most_runs = 4 !! bodies whose particles are copied one by one
     integer, parameter :: n_known = 7 !! arrays of a ghost
@@ -100,7 +100,7 @@ contains
         call list_rows(c%on_gpu, c%ghosts, rows_of(c%on_gpu, c%ghosts%v_before, 3*w), to)
         n = n_moving
         if (all_of_it) then
-            n = merge(n_known, n_known + 1, c%on_gpu)
+            n = merge(n_known + 1, n_known, needs_volumes(c))
         else if (c%wall%cells%present) then
             ! nodes are filled by the volumes of now
             n = n_moving + 1
@@ -110,8 +110,15 @@ contains
         call c%part%messages%send(c%part%out, c%part%in, from(:n), to(:n), err)
     end subroutine send_coupling_ghosts
 
-    !> What of a particle its copies have. Walls are emptied before a GPU takes over: it needs no
-    !> volumes.
+    !> Have copies of particles volumes? Cell stores are emptied before a GPU takes over: only cut
+    !> cells need them there.
+    pure logical function needs_volumes(c)
+        type(coupling_t), intent(in) :: c
+
+        needs_volumes = c%wall%cells%present .or. .not. c%on_gpu
+    end function needs_volumes
+
+    !> What of a particle its copies have; volumes, where these are needed, come last.
     subroutine list_rows(on_gpu, p, v_before, rows)
         logical, intent(in) :: on_gpu
         class(particles_t), intent(in), target :: p
@@ -125,6 +132,6 @@ contains
         rows(5) = v_before
         rows(6) = rows_of(on_gpu, p%mass, w)
         rows(7) = rows_of(on_gpu, p%id, 1)
-        if (.not. on_gpu) rows(8) = rows_of(.false., p%volume, w)
+        if (allocated(p%volume)) rows(8) = rows_of(on_gpu, p%volume, w, pitch=p%stride_w*w)
     end subroutine list_rows
 end module brz_coupling_ghosts

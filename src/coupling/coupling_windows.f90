@@ -8,6 +8,7 @@ module brz_coupling_windows
     use brz_cell_lists, only: list_cells
     use brz_coupling_part, only: coupling_part_t
     use brz_coupling_state, only: coupling_t
+    use brz_cut_share, only: open_share_of_gpus
     use brz_device, only: clear_buffer, copy_in, reserve_buffer
     use brz_errors, only: error_t
     use brz_fetch, only: fetch, fetch_t
@@ -20,7 +21,7 @@ module brz_coupling_windows
     use brz_record_rules, only: w => words_of_real
     implicit none
     private
-    public :: offer_window, see_halo, mark_blocks, open_windows_of_gpus
+    public :: offer_window, see_halo, see_beside, mark_blocks, open_windows_of_gpus
 
 contains
 
@@ -51,13 +52,28 @@ contains
         end if
     end subroutine see_halo
 
+    !> Bring the gas beside the box up to date, as far as stencils and gauges reach. Of cut cells
+    !> farther away listed ones alone are read, see brz_cut_share.
+    subroutine see_beside(air, c, err)
+        type(air_t), intent(inout) :: air
+        type(coupling_t), intent(in) :: c
+        type(error_t), intent(inout) :: err
+
+        if (c%on_gpu) then
+            call air%device%halo%reals_of_others(air%grid%apart, air%device%u, err)
+        else
+            call fetch(air%part%ranks, air%part%halo, air%n_var, air%before + 1 - air%g, &
+                       air%before + air%n + air%g, air%u)
+        end if
+    end subroutine see_beside
+
     !> Get ready to speak between GPUs with the other processes, whose halos are known. No ghosts
     !> are listed then.
     subroutine open_windows_of_gpus(air, c, err)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
-        integer, parameter :: most = 6 + 10*w + 2 !! words of a ghost
+        integer, parameter :: most = 6 + 11*w + 2 !! words of a ghost, with its volume
         type(coupling_part_t) :: part
         type(message_buffers_t) :: nothing
         type(cells_t) :: held
@@ -75,9 +91,13 @@ contains
         c%ghosts%stride_p = 1
         c%ghosts%stride_t = 1
         held = cells_t(air%before + 1 - air%g, air%before + air%n + air%g)
-        call c%device%coupling_halo%open(air%part%ranks, air%part%coupling_halo, held, air%n_var, &
-            err)
-        if (.not. any(c%box%wraps)) call map_blocks(c, air%part%coupling_halo, held, err)
+        if (c%wall%cells%present) then
+            call open_share_of_gpus(c%wall%share, c%wall%cells, err)
+        else
+            call c%device%coupling_halo%open(air%part%ranks, air%part%coupling_halo, held, &
+                air%n_var, err)
+            if (.not. any(c%box%wraps)) call map_blocks(c, air%part%coupling_halo, held, err)
+        end if
         allocate (nothing%place(0), nothing%first(0:air%part%ranks%n))
         nothing%first = 1
         call c%part%messages%device%open(air%part%ranks, nothing, nothing, max(most, 1 + 6*w), err)

@@ -20,17 +20,16 @@ module brz_cut_driver
         for_each_cut_find_home, for_each_cut_mark, for_each_cut_mark_listed, &
         for_each_cut_mark_unsettled, for_each_cut_set_slot, for_each_cut_unite_marks, &
         for_each_cut_widen
-    use brz_cut_list_loop_bodies, only: grid_cell_of
     use brz_cut_load_loops, only: for_each_cut_bear, for_each_cut_feel, for_each_cut_find_bearing, &
         for_each_cut_load_particle, for_each_cut_record
     use brz_cut_node_loops, only: for_each_cut_fill_corner, for_each_cut_fill_node, &
         for_each_cut_find_ball, &
         for_each_cut_find_distance, for_each_cut_find_largest, for_each_cut_find_thickest, &
         for_each_cut_search_octant, for_each_cut_see_fill
-    use brz_cut_share, only: list_shared, share_columns, share_marks, share_masters, &
-        share_numbers
+    use brz_cut_share, only: list_shared, share_marks, share_masters, share_rows
     use brz_cut_shape_loops, only: for_each_cut_close, for_each_cut_open, for_each_cut_shape
     use brz_cut_stress_loops, only: for_each_cut_stress_particle, for_each_cut_sum_deeper
+    use brz_cut_whereabouts_loops, only: for_each_cut_hash
     use brz_driven_body_driver, only: put_driven_bodies
     use brz_driven_body_motion, only: foresee_driven_bodies, read_driven_bodies
     use brz_driven_body_rules, only: carries_all, carries_none, n_push
@@ -40,7 +39,9 @@ module brz_cut_driver
     use brz_lists, only: at_least, clear_list, clear_map, count_in_bins, put_in_bins, running_sum, &
         swap
     use brz_near_walls, only: see_cut_cells
-    use brz_ranks, only: several, sum_of_all
+    use brz_ranks, only: several
+    use brz_record_rules, only: w => words_of_real
+    use brz_rows, only: rows_of, rows_t
     use brz_scheme, only: max_var
     use brz_bodies, only: bodies_t
     implicit none
@@ -70,7 +71,7 @@ contains
             moved = 0
             call for_each_cut_cell_of(c%on_gpu, p%n, cells%nodes, p%wide, p%x, p%fixed, c%cell_of, &
                                       moved, err)
-            if (several(c%ranks)) call count_moved(solid, c, moved)
+            if (several(c%ranks)) call count_moved(p, c, moved, err)
             renewed = moved > 0 .or. solid%rebuilds /= cells%rebuilds
             cells%rebuilds = solid%rebuilds
             if (renewed) then
@@ -93,31 +94,17 @@ contains
     end subroutine find_cut_cells
 
     !> Has a particle of any process left its cell of the grid? Told by sums of hashes of numbers
-    !> and cells: places, and the processes that have a particle, change between two lists.
-    subroutine count_moved(solid, c, moved)
-        class(bodies_t), intent(in) :: solid
+    !> and cells: places, and the processes that see a particle, change between two lists.
+    subroutine count_moved(p, c, moved, err)
+        class(bodies_t), intent(in) :: p !! particles, whose cells are known
         type(coupling_t), intent(inout) :: c
         integer, intent(out) :: moved !! 0: none has
-        integer(int64), parameter :: prime = 2147483647, factor(2) = [48271_int64, 69621_int64]
-        integer(int64) :: hash(2), sums(2)
-        integer :: b, d, i, ijk(3)
+        type(error_t), intent(inout) :: err
+        real(dp) :: sums(2)
 
-        sums = 0
-        associate (nodes => c%wall%cells%nodes)
-            do b = 1, size(solid%bodies)
-                do i = solid%bodies(b)%first, solid%bodies(b)%last
-                    ijk = grid_cell_of(nodes, solid%fixed(i), solid%x(:3, i))
-                    hash = solid%id(i)
-                    do d = 1, 3
-                        hash = mod(factor*hash + ijk(d), prime)
-                        hash = mod(hash*hash + d, prime)
-                    end do
-                    sums = sums + hash
-                end do
-            end do
-        end associate
-        call sum_of_all(c%ranks, sums)
-        moved = merge(0, 1, all(sums == c%wall%cells%whereabouts))
+        call for_each_cut_hash(c%on_gpu, p%n, c%ranks, c%wall%cells%nodes, c%cell_of, p%id, sums, &
+                               err)
+        moved = merge(1, 0, any(abs(sums - c%wall%cells%whereabouts) > 0))
         c%wall%cells%whereabouts = sums
     end subroutine count_moved
 
@@ -151,7 +138,7 @@ contains
             if (found > 0) call for_each_cut_unite_marks(c%on_gpu, n, cells%next_mark, &
                                                          cells%mark, err)
         end if
-        if (several(c%ranks)) call share_marks(c%wall%share, cells, cells%mark)
+        if (several(c%ranks)) call share_marks(c%wall%share, cells, cells%mark, err)
         chunks = (n - 1)/cells_of_a_chunk + 1
         call at_least(c%on_gpu, c%start, chunks + 1, err)
         call for_each_count_kind(c%on_gpu, chunks, n, 1, cells%mark, c%start, err)
@@ -162,7 +149,7 @@ contains
                                    cells%place, err)
         call for_each_cut_find_beside(c%on_gpu, cells%n, cells%nodes, cells%cell, cells%slot, &
                                       cells%place, cells%beside, err)
-        call list_shared(c%wall%share, cells)
+        call list_shared(c%wall%share, cells, err)
     end subroutine list_cut_cells
 
     !> Room for what is kept per entry.
@@ -172,7 +159,7 @@ contains
         type(error_t), intent(inout) :: err
         integer :: n
 
-        n = cells%n
+        n = max(cells%n, 1) ! what has no room has no copy
         call at_least(on_gpu, cells%cell, n, err)
         call at_least(on_gpu, cells%place, n, err)
         call at_least(on_gpu, cells%beside, 6, n, err)
@@ -228,7 +215,7 @@ contains
     !> Shapes of the listed cells from the particles.
     subroutine find_shapes(p, c, err)
         class(bodies_t), intent(in) :: p !! particles
-        type(coupling_t), intent(inout) :: c
+        type(coupling_t), intent(inout), target :: c
         type(error_t), intent(inout) :: err
 
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
@@ -253,7 +240,7 @@ contains
             call for_each_cut_search_octant(g, 8*l%n, nodes, p%wide, l%cell, l%slot, l%bin_ends, &
                 l%binned, p%x, l%radius, l%ball, l%fill, l%sag, l%octants, err)
             call for_each_cut_find_distance(g, l%n, l%octants, l%distance, err)
-            call share_numbers(c%wall%share, l%n, l%distance)
+            call share_rows(c%wall%share, [rows_of(g, l%distance, w)], err)
             call for_each_cut_shape(g, l%n, nodes, l%cell, l%place, l%slot, l%distance, l%gas, &
                                     l%middle, l%shut, err)
             call for_each_cut_find_bearing(g, l%n, nodes, l%cell, l%place, l%slot, l%mass, &
@@ -319,7 +306,7 @@ contains
 
     !> Masters of all listed cells, and the members of their clusters.
     subroutine find_clusters(c, err)
-        type(coupling_t), intent(inout) :: c
+        type(coupling_t), intent(inout), target :: c
         type(error_t), intent(inout) :: err
         integer :: m
 
@@ -336,7 +323,7 @@ contains
                 call swap(l%master, l%next_master)
                 call follow_pointers(g, l, err)
             end do
-            call share_masters(c%wall%share, l)
+            call share_masters(c%wall%share, l, err)
         end associate
         call list_members(c, err)
     end subroutine find_clusters
@@ -409,7 +396,7 @@ contains
                                             l%area, l%middle, l%mass, l%momentum, l%carrier, &
                                             l%turns, l%v, err)
             if (.not. dt > 0) then
-                call share_walls(c, .false.)
+                call share_walls(c, .false., err)
                 return
             end if
             call for_each_cut_tame(g, l%n, nodes, real(dt, rk), l%place, l%shut, l%master, l%ends, &
@@ -417,23 +404,19 @@ contains
             call for_each_cut_sweep(g, l%n, nodes, real(dt, rk), l%shut, l%gas, l%volume, l%area, &
                                     l%v, l%swept, err)
         end associate
-        call share_walls(c, .true.)
+        call share_walls(c, .true., err)
     end subroutine move_cut_walls
 
     !> Velocities of the walls in the boxes of others, and what they sweep.
-    subroutine share_walls(c, swept)
-        type(coupling_t), intent(inout) :: c
+    subroutine share_walls(c, swept, err)
+        type(coupling_t), intent(inout), target :: c
         logical, intent(in) :: swept !! they have moved
-        real(rk) :: table(4, c%wall%cells%n)
+        type(error_t), intent(inout) :: err
+        type(rows_t) :: rows(2)
 
-        if (.not. several(c%ranks)) return
-        associate (l => c%wall%cells)
-            table(:3, :) = l%v(:, :l%n)
-            table(4, :) = 0
-            if (swept) table(4, :) = l%swept(:l%n)
-            call share_columns(c%wall%share, table)
-            l%v(:, :l%n) = table(:3, :)
-            if (swept) l%swept(:l%n) = table(4, :)
+        associate (g => c%on_gpu, l => c%wall%cells)
+            rows = [rows_of(g, l%v, 3*w), rows_of(g, l%swept, w)]
+            call share_rows(c%wall%share, rows(:merge(2, 1, swept)), err)
         end associate
     end subroutine share_walls
 
@@ -510,7 +493,7 @@ contains
     !> Loads of all particles from the impulses on the walls, and the diagnostics.
     subroutine press_by_cut_cells(p, c, dt, err)
         class(bodies_t), intent(inout) :: p !! particles
-        type(coupling_t), intent(inout) :: c
+        type(coupling_t), intent(inout), target :: c
         real(dp), intent(in) :: dt !! step of the air [s]
         type(error_t), intent(inout) :: err
         real(dp) :: work(2), given(3), taken(3)
@@ -519,7 +502,7 @@ contains
         given = 0
         taken = 0
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
-            if (several(c%ranks)) call share_columns(c%wall%share, l%impulse(:, :l%n))
+            call share_rows(c%wall%share, [rows_of(g, l%impulse, 3*w)], err)
             call for_each_cut_record(g, l%n, nodes, dt, c%reference_pressure, l%cell, l%area, &
                                      l%v, l%impulse, work, given, taken, &
                                      diag_at(c%device, diag_work), err)

@@ -10,11 +10,13 @@ module brz_cut_exchange_driver
         for_each_cut_find_off, for_each_cut_find_takers, for_each_cut_forget, &
         for_each_cut_hand_on, for_each_cut_leave, for_each_cut_level, for_each_cut_remap, &
         for_each_cut_settle, for_each_cut_take
-    use brz_cut_share, only: put_states, share_columns, states_of
+    use brz_cut_share, only: pick_states, put_states, share_rows, share_states, states_in
     use brz_errors, only: error_t
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp
     use brz_lists, only: at_least, copy_first, swap
     use brz_ranks, only: several
+    use brz_record_rules, only: w => words_of_real
+    use brz_rows, only: rows_of
     use brz_scheme, only: max_var
     use brz_bodies, only: bodies_t
     implicit none
@@ -40,6 +42,7 @@ contains
 
         call keep_list(c%on_gpu, c%wall%cells, err)
         call find_cut_cells(air, solid, p, c, err)
+        call share_states(c%wall%share, c%wall%cells, air%u, err)
         call find_shapes(p, c, err)
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
             call size_exchange(g, l, err)
@@ -50,7 +53,7 @@ contains
                                      l%content, l%volume, l%gas, l%shut, l%kept, air%u, pockets, &
                                      err)
             l%pockets = l%pockets + pockets
-            if (several(c%ranks)) call share_contents(air, c)
+            if (several(c%ranks)) call share_contents(air, c, err)
             if (pockets > 0 .or. several(c%ranks)) call open_faces(c, 0, err)
             call for_each_cut_find_band(g, l%n, nodes, l%cell, l%place, l%slot, l%shut, l%master, &
                                         l%gas, l%band, err)
@@ -69,32 +72,22 @@ contains
                 call for_each_cut_apply(g, l%n, nodes, l%place, l%flow, l%volume, air%u, err)
             end do
         end associate
-        if (several(c%ranks)) call share_contents(air, c)
+        if (several(c%ranks)) call share_contents(air, c, err)
         call mix_clusters(air, c, err)
         call move_cut_walls(air, bodies, p, c, 0.0_dp, err)
     end subroutine renew_cut_cells
 
     !> Gas, volumes and what waits in the boxes of others.
-    subroutine share_contents(air, c)
+    subroutine share_contents(air, c, err)
         type(air_t), intent(inout) :: air
-        type(coupling_t), intent(inout) :: c
-        real(rk) :: table(max_var + 4 + air%n_var, c%wall%cells%n)
-        integer :: s
+        type(coupling_t), intent(inout), target :: c
+        type(error_t), intent(inout) :: err
 
-        associate (l => c%wall%cells)
-            do s = 1, l%n
-                table(:3, s) = [l%volume(s), l%gas(s), real(l%shut(s), rk)]
-                table(4:max_var + 4, s) = l%kept(:, s)
-            end do
-            table(max_var + 5:, :) = states_of(l, air%u)
-            call share_columns(c%wall%share, table)
-            do s = 1, l%n
-                l%volume(s) = table(1, s)
-                l%gas(s) = table(2, s)
-                l%shut(s) = nint(table(3, s))
-                l%kept(:, s) = table(4:max_var + 4, s)
-            end do
-            call put_states(l, table(max_var + 5:, :), air%u)
+        associate (g => c%on_gpu, l => c%wall%cells, share => c%wall%share)
+            call pick_states(share, l, air%u, err)
+            call share_rows(share, [rows_of(g, l%volume, w), rows_of(g, l%gas, w), &
+                rows_of(g, l%shut, 1), rows_of(g, l%kept, (max_var + 1)*w), states_in(share)], err)
+            call put_states(share, l, air%u, err)
         end associate
     end subroutine share_contents
 

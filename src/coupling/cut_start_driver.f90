@@ -10,12 +10,14 @@ module brz_cut_start_driver
     use brz_cut_cluster_loops, only: for_each_cut_empty_shut, for_each_cut_shut_pocket
     use brz_cut_driver, only: find_clusters, find_cut_cells, find_shapes, list_members, &
         move_cut_walls, open_faces
-    use brz_cut_share, only: found_by_any, share_columns
+    use brz_cut_share, only: found_by_any, share_rows
     use brz_device_data, only: enter_data
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_lists, only: clear_map, clear_reals, swap
-    use brz_ranks, only: several
+    use brz_ranks, only: reduce_errors
+    use brz_record_rules, only: w => words_of_real
+    use brz_rows, only: rows_of
     implicit none
     private
     public :: set_up_cut_cells, begin_cut_cells, enter_cut_cells
@@ -73,16 +75,19 @@ contains
         c%wall%cells%rebuilds = -1
         call find_cut_cells(air, solid, p, c, err)
         call find_shapes(p, c, err)
+        call reduce_errors(c%ranks, err) ! of others the list would be another
+        if (failed(err)) return
         if (c%wall%cells%resumes) then
             call resume_volumes(c, err)
         else
             call start_volumes(c, err)
         end if
+        call reduce_errors(c%ranks, err) ! all go on to messages, or none
         if (failed(err)) return
         call move_cut_walls(air, bodies, p, c, 0.0_dp, err)
     end subroutine begin_cut_cells
 
-    !> Volume of the gas at the start: what geometry leaves room for, none in pockets.
+    !> Volume of the gas at the start, on the host: what geometry leaves room for, none in pockets.
     subroutine start_volumes(c, err)
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
@@ -97,7 +102,7 @@ contains
                 call for_each_cut_shut_pocket(g, l%n, l%place, l%master, l%ends, l%member, &
                                               l%volume, l%gas, l%shut, pockets, err)
                 if (.not. found_by_any(c%ranks, pockets)) exit
-                call share_gas(c)
+                call share_gas(c, err)
                 call open_faces(c, 0, err)
             end do
             l%v(:, :l%n) = 0
@@ -109,17 +114,12 @@ contains
     end subroutine start_volumes
 
     !> What room the gas has in the boxes of others, none in pockets.
-    subroutine share_gas(c)
-        type(coupling_t), intent(inout) :: c
-        real(rk) :: table(2, c%wall%cells%n)
+    subroutine share_gas(c, err)
+        type(coupling_t), intent(inout), target :: c
+        type(error_t), intent(inout) :: err
 
-        if (.not. several(c%ranks)) return
-        associate (l => c%wall%cells)
-            table(1, :) = l%gas(:l%n)
-            table(2, :) = l%shut(:l%n)
-            call share_columns(c%wall%share, table)
-            l%gas(:l%n) = table(1, :)
-            l%shut(:l%n) = nint(table(2, :))
+        associate (g => c%on_gpu, l => c%wall%cells)
+            call share_rows(c%wall%share, [rows_of(g, l%gas, w), rows_of(g, l%shut, 1)], err)
         end associate
     end subroutine share_gas
 

@@ -8,7 +8,7 @@ module brz_cut_stress_loop_bodies
     use brz_air_grid, only: cell_at
     use brz_cut_cells, only: node_grid_t, see_image
     use brz_cut_list_loop_bodies, only: entry_at
-    use brz_cut_node_loop_bodies, only: place_in_cells, tent
+    use brz_cut_node_loop_bodies, only: tent, way_from
     use brz_kinds, only: dp, int32, rk
     implicit none
     private
@@ -93,7 +93,7 @@ contains
             ijk = cell_at(nodes%n, cell(home(p)))
             do d = 1, 3
                 if (nodes%n(d) == 1) cycle
-                place = place_in_cells(nodes, d, y(d)) - (nodes%before(d) + ijk(d) - 1)
+                place = way_from(nodes, d, ijk(d), y(d))
                 do c = 0, 7
                     if (iand(c, 2**(d - 1)) /= 0) cycle
                     call line_of(nodes, ijk, d, c, slot, pair, at)

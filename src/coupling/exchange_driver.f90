@@ -6,7 +6,7 @@ module brz_exchange_driver
     use brz_driven_body_driver, only: sum_loads
     use brz_coupling_state, only: coupling_t
     use brz_coupling_driver, only: find_velocities
-    use brz_coupling_windows, only: offer_window, see_halo
+    use brz_coupling_windows, only: offer_window, see_beside, see_halo
     use brz_cut_driver, only: feel_loads, load_cut_carriers, move_cut_walls, press_by_cut_cells, &
         stress_by_cut_cells
     use brz_cut_exchange_driver, only: renew_cut_cells
@@ -164,16 +164,16 @@ contains
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
-        if (several(solid%ranks)) then
+        if (several(solid%ranks) .and. c%wall%cells%present) then
+            call renew_coupling_ghosts(solid, c, err)
+            call renew_cut_cells(air, solid, c%ghost_bodies, c%ghosts, c, err)
+            call see_beside(air, c, err)
+        else if (several(solid%ranks)) then
             call offer_window(air, c, err)
             call renew_coupling_ghosts(solid, c, err) ! where all meet
             call see_halo(air, c, .true., err)
-            if (c%wall%cells%present) then
-                call renew_cut_cells(air, solid, c%ghost_bodies, c%ghosts, c, err)
-            else
-                call share_deferred_sources(c, err)
-                call move_on(air, c%ghost_bodies, c%ghosts, c, err)
-            end if
+            call share_deferred_sources(c, err)
+            call move_on(air, c%ghost_bodies, c%ghosts, c, err)
             call see_halo(air, c, .false., err)
         else if (c%wall%cells%present) then
             call renew_cut_cells(air, solid, solid, solid, c, err)

@@ -52,9 +52,8 @@ contains
     end subroutine attach_no_walls
 
     !> Ghosts where the box of another process begins: its cells.
-    subroutine exchange_ghosts(air, wall, err)
+    subroutine exchange_ghosts(air, err)
         type(air_t), intent(inout) :: air
-        type(wall_t), intent(in) :: wall
         type(error_t), intent(inout) :: err
 
         if (air%on_gpu) then
@@ -62,11 +61,7 @@ contains
         else
             call keep_outside(air)
             associate (lo => air%before + 1 - air%g, hi => air%before + air%n + air%g)
-                if (wall%cells%present) then ! clusters reach farther than stencils
-                    call fetch(air%part%ranks, air%part%coupling_halo, air%n_var, lo, hi, air%u)
-                else
-                    call fetch(air%part%ranks, air%part%halo, air%n_var, lo, hi, air%u)
-                end if
+                call fetch(air%part%ranks, air%part%halo, air%n_var, lo, hi, air%u)
             end associate
         end if
     end subroutine exchange_ghosts

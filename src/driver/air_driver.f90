@@ -99,7 +99,7 @@ contains
         type(wall_t), intent(in) :: wall
         type(error_t), intent(inout) :: err
 
-        call exchange_ghosts(air, wall, err)
+        call exchange_ghosts(air, err)
         call for_each_fill_end(air%on_gpu, 2*air%grid%lines, air%grid, air%scheme, air%outside, &
                                wall%solid, air%u, err)
     end subroutine fill_ghosts

@@ -4,14 +4,15 @@ module brz_cut_rate_driver
     use brz_air_grid, only: stage_t
     use brz_air_state, only: air_t, wall_t
     use brz_cut_cells, only: cut_cells_t
-    use brz_cut_share, only: found_by_any, put_states, share_columns, states_of
+    use brz_cut_share, only: found_by_any, pick_states, put_states, share_rows, states_in
     use brz_cut_loops, only: for_each_cut_count_moving, for_each_cut_finish, for_each_cut_join, &
         for_each_cut_rate, for_each_cut_reach
     use brz_errors, only: error_t
     use brz_fallback_loop_bodies, only: to_redo
-    use brz_kinds, only: rk
     use brz_lists, only: clear_reals
     use brz_ranks, only: several
+    use brz_record_rules, only: w => words_of_real
+    use brz_rows, only: rows_of
     use brz_scheme, only: max_var
     implicit none
     private
@@ -46,7 +47,7 @@ contains
             call for_each_cut_rate(air%on_gpu, c%n, c%nodes, air%scheme, stage, pass, c%cell, &
                 c%place, c%beside, c%shut, c%aperture, c%area, c%middle, c%v, c%master, air%bad, &
                 air%u, air%edge, c%rate, c%push, err)
-            if (several(air%part%ranks)) call share_rates(air, wall, stage)
+            if (several(air%part%ranks)) call share_rates(air, wall, stage, err)
             call for_each_cut_join(air%on_gpu, c%n, c%nodes, stage, c%place, c%master, c%ends, &
                                    c%member, c%volume, c%swept, c%rate, air%u, air%u_start, &
                                    c%joined, c%euler, err)
@@ -54,20 +55,20 @@ contains
         call finish_cut_cells(air, wall%cells, stage, pass, to_redo, err)
     end subroutine find_cut_rates
 
-    !> Rates of the cells of others, and their states at the start of the step: members of a cluster
-    !> may be in boxes of several processes.
-    subroutine share_rates(air, wall, stage)
+    !> Rates of the cells of others, and their states: members of a cluster may be in boxes of
+    !> several processes.
+    subroutine share_rates(air, wall, stage, err)
         type(air_t), intent(inout) :: air
-        type(wall_t), intent(inout) :: wall
+        type(wall_t), intent(inout), target :: wall
         type(stage_t), intent(in) :: stage
-        real(rk) :: table(max_var + merge(0, air%n_var, stage%first == 1), wall%cells%n)
+        type(error_t), intent(inout) :: err
 
-        associate (c => wall%cells)
-            table(:max_var, :) = c%rate(:, :c%n)
-            if (stage%first == 0) table(max_var + 1:, :) = states_of(c, air%u_start)
-            call share_columns(wall%share, table)
-            c%rate(:, :c%n) = table(:max_var, :)
-            if (stage%first == 0) call put_states(c, table(max_var + 1:, :), air%u_start)
+        associate (g => air%on_gpu, c => wall%cells, share => wall%share)
+            call pick_states(share, c, air%u, err)
+            call share_rows(share, [rows_of(g, c%rate, max_var*w), states_in(share)], err)
+            call put_states(share, c, air%u, err)
+            ! the start of the step, which later stages read: a GPU keeps all of it
+            if (stage%first == 1 .and. .not. g) call put_states(share, c, air%u_start, err)
         end associate
     end subroutine share_rates
 

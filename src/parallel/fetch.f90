@@ -7,13 +7,13 @@
 module brz_fetch
     use, intrinsic :: iso_c_binding, only: c_int, c_loc, c_null_ptr, c_ptr
     use brz_boxes, only: cells_t, cells_of, common, is_empty
-    use brz_kinds, only: dp, int8, int32, int64, rk
+    use brz_kinds, only: dp, int8, int64, rk
     use brz_mpi_library, only: mpi_double, mpi_float, mpi_irecv, mpi_isend, mpi_waitall
     use brz_ranks, only: ranks_t, several, traffic
     use brz_timer, only: lap, wall_seconds
     implicit none
     private
-    public :: fetch_t, field_message_t, plan_fetch, fetch, fetch_rows
+    public :: fetch_t, field_message_t, plan_fetch, fetch
 
     integer, parameter :: first_tag = 100 !! and the number of the image behind it
 
@@ -23,7 +23,6 @@ module brz_fetch
         integer :: image = 0 !! 0..26: how far the field is shifted around the grid
         type(cells_t) :: box !! as this process numbers the cells
         real(rk), allocatable :: numbers(:)
-        integer(int32), allocatable :: row(:) !! of its cells in a table, see fetch_rows
     end type field_message_t
 
     !> Who sends what to whom.
@@ -159,50 +158,6 @@ contains
             end associate
         end do
     end subroutine fetch_marks
-
-    !> Rows of a table with an entry for some of the cells, which `row` of the messages lists.
-    !> Sender and receiver list the same cells in the same order.
-    subroutine fetch_rows(ranks, plan, table)
-        type(ranks_t), intent(in) :: ranks
-        type(fetch_t), intent(inout) :: plan
-        real(rk), intent(inout) :: table(:, :) !! (numbers of an entry, entries)
-        integer :: m, t
-
-        if (.not. several(ranks)) return
-        associate (n => size(table, 1))
-            do m = 1, size(plan%in)
-                call make_room(n*size(plan%in(m)%row), plan%in(m)%numbers)
-            end do
-            call listen(ranks, plan, [(int(n*size(plan%in(m)%row), int64), m=1, size(plan%in))])
-            do m = 1, size(plan%out)
-                associate (message => plan%out(m))
-                    call make_room(n*size(message%row), message%numbers)
-                    do t = 1, size(message%row)
-                        message%numbers((t - 1)*n + 1:t*n) = table(:, message%row(t))
-                    end do
-                    call send(ranks, plan, m, int(n*size(message%row), int64))
-                end associate
-            end do
-            call wait_for_all(plan)
-            do m = 1, size(plan%in)
-                associate (message => plan%in(m))
-                    do t = 1, size(message%row)
-                        table(:, message%row(t)) = message%numbers((t - 1)*n + 1:t*n)
-                    end do
-                end associate
-            end do
-        end associate
-    end subroutine fetch_rows
-
-    !> Room for n numbers, with some to spare.
-    subroutine make_room(n, numbers)
-        integer, intent(in) :: n
-        real(rk), allocatable, intent(inout) :: numbers(:)
-
-        if (size(numbers) >= n) return
-        deallocate (numbers)
-        allocate (numbers(n + n/4))
-    end subroutine make_room
 
     !> Be ready for what comes in.
     subroutine listen(ranks, plan, lengths)

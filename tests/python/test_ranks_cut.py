@@ -129,13 +129,3 @@ def test_scenes_with_cut_cells_give_the_same(name, tmp_path):
         go(n, deck, tmp_path, "--set", f"run.max_steps={SHORT[name]}", "--set",
            "output.history_every=0", out=str(n))  # fmt: skip
     equal_states(tmp_path / "0", tmp_path / "3")
-
-
-@needs_mpirun
-def test_cut_cells_of_several_gpus_are_refused(tmp_path):
-    deck = (ROOT / "tests/scenes/disc.nml").read_text() + "\n&coupling scheme = 'cut_cells' /\n"
-    (tmp_path / "deck.nml").write_text(deck)
-    done = start(2, "run", "deck.nml", "--backend", "gpu", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "scheme='cut_cells' on several processes" in done.stderr
-    assert "--backend cpu" in done.stderr

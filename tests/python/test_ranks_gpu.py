@@ -20,9 +20,12 @@ from test_ranks import (
     start,
 )
 from test_ranks_bodies import MEETING
-from test_ranks_coupled import equal_runs, pelted, wrapped
+from test_ranks_coupled import equal_runs, equal_states, pelted, wrapped
+from test_ranks_cut import SHORT as STEPS
+from test_ranks_cut import TORN as CUT
+from test_ranks_cut import write_bodies
 from test_ranks_loads import LOADED, LOST, TORN
-from test_run import BRISANCE, arrays, history
+from test_run import BRISANCE, ROOT, arrays, history
 from tiers import slow
 
 
@@ -333,14 +336,56 @@ def test_bodies_across_periodic_ends_do_not_depend_on_gpus(gpu, tmp_path):
     "fault",
     ["BRISANCE_EMULATOR_FAIL=cuLaunchKernel:3000", "BRISANCE_EMULATOR_FAIL=cuMemAlloc_v2:150"],
 )
-def test_what_goes_wrong_among_bodies_in_air_ends_all(fault, gpu, tmp_path):
-    (tmp_path / "deck.nml").write_text(pelted(2))
+@pytest.mark.parametrize("scheme", ["wall_flux", "cut_cells"])
+def test_what_goes_wrong_among_bodies_in_air_ends_all(scheme, fault, gpu, tmp_path):
+    deck = f"{pelted(2)}\n&coupling scheme = '{scheme}' /\n"
+    (tmp_path / "deck.nml").write_text(deck)
     program = f"{BRISANCE} run deck.nml --backend gpu --out out"
     command = f"{MPIRUN} -n 1 {program} : -n 1 env {fault} {program}"
     done = subprocess.run(command.split(), cwd=tmp_path, env={**TOGETHER, **gpu}, check=False,
                           capture_output=True, text=True, timeout=60)  # fmt: skip
     assert done.returncode == 5, done.stderr
     assert "process 2 of 2: " in done.stderr
+
+
+@pytest.fixture(name="cut_alone", scope="module")
+def _cut_alone(gpu, tmp_path_factory):
+    """The folder of a run by cut cells on one GPU: bodies that are held, rigid and torn lie where
+    boxes meet."""
+    folder = tmp_path_factory.mktemp("cut")
+    write_bodies(folder)
+    done = go(0, folder, gpu, deck=CUT)
+    assert done.returncode == 0, done.stderr
+    return folder / "out"
+
+
+@pytest.mark.long("several GPUs are emulated")
+@needs_mpirun
+@pytest.mark.parametrize(("n", "m"), [(2, None), (3, 2), slow(3, None), slow(4, None), slow(0, 3)])
+def test_cut_cells_do_not_depend_on_gpus(n, m, gpu, cut_alone, tmp_path):
+    """Nor does a restart; then sums over steps are to rounding. By the host, too."""
+    more = {"BRISANCE_TRANSPORT": "mpi"} if n == 2 else {}
+    write_bodies(tmp_path)
+    done = go(n, tmp_path, gpu, *(("--set", "run.max_steps=35") if m else ()), deck=CUT, **more)
+    assert done.returncode in (0, 3), done.stderr
+    if m is None:
+        equal_runs(cut_alone, tmp_path / "out")
+        return
+    done = go(m, tmp_path, gpu, "--restart", "latest", deck=CUT)
+    assert done.returncode == 0, done.stderr
+    equal_states(cut_alone, tmp_path / "out", ("air/outflow",))
+
+
+@needs_mpirun
+@pytest.mark.parametrize("name", ["disc", *(slow(name) for name in STEPS if name != "disc")])
+def test_scenes_with_cut_cells_give_the_same_on_gpus(name, gpu, tmp_path):
+    """Of the disc one process sees nothing at first; others have bonds, and bodies that sleep."""
+    deck = (ROOT / f"tests/scenes/{name}.nml").read_text() + "\n&coupling scheme = 'cut_cells' /\n"
+    for n in (0, 3):
+        done = go(n, tmp_path, gpu, "--set", f"run.max_steps={STEPS[name] // 2}", "--set",
+                  "output.history_every=0", deck=deck, out=str(n))  # fmt: skip
+        assert done.returncode == 0, done.stderr
+    equal_states(tmp_path / "0", tmp_path / "3")
 
 
 # Its walls are all in one box and then all in the other, and lists of deferred sources grow there.

@@ -116,7 +116,7 @@ module brz_cut_cells
         real(rk), allocatable :: impulse(:, :) !! (3, n) likewise in the step
         ! particles
         integer(int32), allocatable :: home(:) !! (particles) entry of its cell, 0: outside
-        integer(int64) :: whereabouts(2) = -1 !! of the particles of several processes, hashed
+        real(dp) :: whereabouts(2) = -1 !! of the particles of several processes, hashed
         integer(int32), allocatable :: bin_ends(:), binned(:) !! particles by entry
         real(rk), allocatable :: radius(:) !! (particles) of the ball of a thin part, 0: none
     end type cut_cells_t

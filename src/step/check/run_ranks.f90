@@ -40,14 +40,10 @@ contains
         if (n < 2 .or. failed(err) .or. .not. case%air%present) return
         if (is_radial(case)) return ! the first one does it
         most = most_boxes(case%air%cells, brick, uncut(case))
-        if (size(case%bodies) > 0 .and. (case%coupling%scheme == 'paper' .or. &
-            case%coupling%scheme == 'cut_cells' .and. case%run%backend == 'gpu')) then
-            call raise(err, exit_deck, "this version does not have the coupling scheme='"// &
-                       trim(case%coupling%scheme)//"' on several processes ("//to_text(n)// &
-                       ' are wanted): run one, with '// &
-                       'OMP_NUM_THREADS threads'//trim(merge(', or --backend cpu', &
-                                                             '                  ', &
-                                                             case%run%backend == 'gpu')))
+        if (size(case%bodies) > 0 .and. case%coupling%scheme == 'paper') then
+            call raise(err, exit_deck, "this version does not have the coupling scheme='paper' "// &
+                       'on several processes ('//to_text(n)//' are wanted): run one, with '// &
+                       'OMP_NUM_THREADS threads')
         else if (n > most) then
             call raise(err, exit_deck, to_text(n)//' processes are too many for '// &
                        to_text(case%air%cells(1))//' x '//to_text(case%air%cells(2))//' x '// &
