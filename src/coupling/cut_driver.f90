@@ -28,7 +28,7 @@ module brz_cut_driver
         for_each_cut_search_octant, for_each_cut_see_fill
     use brz_cut_share, only: list_shared, share_marks, share_masters, share_rows
     use brz_cut_shape_loops, only: for_each_cut_close, for_each_cut_open, for_each_cut_shape
-    use brz_cut_stress_loops, only: for_each_cut_stress_particle, for_each_cut_sum_deeper
+    use brz_cut_stress_loops, only: for_each_cut_stress_particle, for_each_cut_sum_lines
     use brz_cut_whereabouts_loops, only: for_each_cut_hash
     use brz_driven_body_driver, only: put_driven_bodies
     use brz_driven_body_motion, only: foresee_driven_bodies, read_driven_bodies
@@ -170,7 +170,9 @@ contains
         call at_least(on_gpu, cells%momentum, 3, n, err)
         call at_least(on_gpu, cells%above, 3, n, err)
         call at_least(on_gpu, cells%from_low, 3, n, err)
+        call at_least(on_gpu, cells%faces, 6, n, err)
         call at_least(on_gpu, cells%deeper, 6, n, err)
+        call at_least(on_gpu, cells%in_line, 6, n, err)
         call at_least(on_gpu, cells%heaviest, n, err)
         call at_least(on_gpu, cells%moment, 3, n, err)
         call at_least(on_gpu, cells%carrier, n, err)
@@ -435,10 +437,10 @@ contains
                                         l%shut, l%area, l%v, l%carrier, air%u, l%press, l%give, err)
             call for_each_cut_bear(g, l%n, nodes, whole, 0.0_rk, l%cell, l%slot, l%mass, &
                                    l%bearing, l%area, l%middle, l%give, l%impedance, l%from_low, &
-                                   l%moment, err)
+                                   l%faces, l%moment, err)
             call for_each_cut_bear(g, l%n, nodes, whole, 0.0_rk, l%cell, l%slot, l%mass, &
                                    l%bearing, l%area, l%middle, l%press, l%force, l%from_low, &
-                                   l%moment, err)
+                                   l%faces, l%moment, err)
             call for_each_cut_push_node(g, l%n, nodes, c%bodies, real(dt, rk), c%driven, &
                 p%fixed, l%heaviest, l%mass, l%all_force, l%gas_load, l%force, l%impedance, &
                 l%momentum, err)
@@ -508,7 +510,7 @@ contains
                                      diag_at(c%device, diag_work), err)
             call for_each_cut_bear(g, l%n, nodes, dt, c%reference_pressure, l%cell, l%slot, &
                                    l%mass, l%bearing, l%area, l%middle, l%impulse, l%force, &
-                                   l%from_low, l%moment, err)
+                                   l%from_low, l%faces, l%moment, err)
             call for_each_cut_load_particle(g, p%n, nodes, p%wide, p%stride_d, p%stride_p, l%home, &
                                             l%cell, l%slot, p%x, p%mass, l%mass, l%force, p%load, &
                                             err)
@@ -529,15 +531,16 @@ contains
 
         if (.not. allocated(solid%face_stress)) return
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
-            call for_each_cut_sum_deeper(g, l%n, nodes, l%cell, l%slot, l%force, l%from_low, &
-                                         l%deeper, err)
+            call for_each_cut_sum_lines(g, l%n, nodes, l%cell, l%slot, l%force, l%from_low, &
+                                        l%faces, l%deeper, l%in_line, err)
             do b = 1, size(solid%bodies)
                 if (.not. solid%bodies(b)%face_share > 0 .or. solid%bodies(b)%inactive) cycle
                 associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
                     call for_each_cut_stress_particle(g, last - first + 1, first, nodes, &
-                        solid%bodies(b)%face_share, p%wide, p%stride_d, p%stride_t, l%home, &
-                        l%cell, l%slot, p%x, l%fill, l%mass, l%above, l%force, l%from_low, &
-                        l%deeper, p%face_stress, err)
+                        solid%bodies(b)%face_share, &
+                        solid%bodies(b)%spacing/solid%bodies(b)%stretch, p%wide, p%stride_d, p%stride_t, l%home, &
+                        l%cell, l%slot, p%x, l%fill, l%distance, l%mass, l%above, l%force, &
+                        l%from_low, l%faces, l%deeper, l%in_line, p%face_stress, err)
                 end associate
             end do
         end associate

@@ -56,7 +56,7 @@ contains
     !@loop_body if(27*n >= worth_threads) schedule(dynamic, 64)
     !@cuf attributes(host,device) &
     pure subroutine cut_bear(s, nodes, dt, reference, cell, slot, mass, bearing, area, middle, &
-                             impulse, force, from_low, moment)
+                             impulse, force, from_low, faces, moment)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
         real(dp), intent(in) :: dt !! step of the air [s]
@@ -66,15 +66,21 @@ contains
         real(rk), intent(in) :: area(3, *), middle(3, *), impulse(3, *)
         real(dp), intent(inout) :: force(3, *) !! [N]
         real(rk), intent(inout) :: from_low(3, *) !! what of it gas on the low side brings [N]
+        real(rk), intent(inout) :: faces(2, 3, *)
+        !! area of the walls with gas on the low, the high side that the node bears, in faces
         real(dp), intent(inout) :: moment(3, *) !! about the low corner of the grid [N m]
-        real(dp) :: arm(3), low_side(3), push(3), share
-        integer :: at(3), b, d, high(3), i, ijk(3), j, k, low(3), to(3)
-        logical :: own, turned(3)
+        real(dp) :: arm(3), borne(2, 3), low_side(3), push(3), share
+        integer :: at(3), b, d, high(3), i, ijk(3), j, k, low(3), side, to(3)
+        logical :: on_low, own, turned(3)
 
         do d = 1, 3
             force(d, s) = 0
             low_side(d) = 0
+            borne(1, d) = 0
+            borne(2, d) = 0
             from_low(d, s) = 0
+            faces(1, d, s) = 0
+            faces(2, d, s) = 0
             moment(d, s) = 0
         end do
         if (.not. mass(s) > 0) return
@@ -106,7 +112,10 @@ contains
                         if (turned(d)) arm(d) = 2*merge(nodes%whole(d), 0, at(d) > to(d)) &
                             *nodes%dx(d) - arm(d)
                         force(d, s) = force(d, s) + push(d)
-                        if ((area(d, b) > 0) .neqv. turned(d)) low_side(d) = low_side(d) + push(d)
+                        on_low = (area(d, b) > 0) .neqv. turned(d)
+                        if (on_low) low_side(d) = low_side(d) + push(d)
+                        side = merge(1, 2, on_low)
+                        borne(side, d) = borne(side, d) + share*abs(area(d, b))/nodes%area(d)
                     end do
                     moment(1, s) = moment(1, s) + (arm(2)*push(3) - arm(3)*push(2))
                     moment(2, s) = moment(2, s) + (arm(3)*push(1) - arm(1)*push(3))
@@ -116,6 +125,8 @@ contains
         end do
         do d = 1, 3
             from_low(d, s) = real(low_side(d), rk)
+            faces(1, d, s) = real(borne(1, d), rk)
+            faces(2, d, s) = real(borne(2, d), rk)
         end do
     end subroutine cut_bear
 

@@ -17,7 +17,7 @@ module brz_cut_node_loop_bodies
     public :: cut_fill_corner, cut_fill_node, cut_see_fill, cut_find_thickest, cut_find_ball, &
         cut_find_largest, &
         cut_find_distance, cut_search_octant
-    public :: tent, turns_to
+    public :: tent, turns_to, way_from
 
     ! rows of the sums at corners; + 1..3
     integer, parameter :: row_fill = 1, row_beyond = 2, row_mass = 3, row_most = 4

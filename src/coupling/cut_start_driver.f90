@@ -3,7 +3,7 @@
 !> checkpoint.
 module brz_cut_start_driver
     use brz_air_grid, only: nodes_along
-    use brz_air_state, only: air_t, bc_symmetry
+    use brz_air_state, only: air_t, bc_symmetry, bc_wall
     use brz_bodies, only: bodies_t
     use brz_coupling_state, only: coupling_t
     use brz_cut_cells, only: cut_cells_t
@@ -35,7 +35,8 @@ contains
             cells%nodes%whole = c%box%whole
             cells%nodes%before = c%box%before
             cells%nodes%own = c%box%own
-            cells%nodes%mirrors = air%outer == bc_symmetry .and. spread(air%n > 1, 1, 2)
+            cells%nodes%mirrors = (air%outer == bc_symmetry .or. air%outer == bc_wall) &
+                .and. spread(air%n > 1, 1, 2)
             cells%nodes%cells = c%box%n
             cells%nodes%wraps = c%wraps
             cells%nodes%n = nodes_along(c%box%n, c%wraps)

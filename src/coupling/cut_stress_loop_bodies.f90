@@ -2,8 +2,16 @@
 !> Stress at the faces of bodies that the air loads: as a node hands its load to particles over the
 !> depth of a cell or two, a particle lacks the stress of what acts below it. See brz_face_stress.
 !>
-!> Along each direction the nodes make lines, whose loads act over the part of a face of a cell that
-!> the body fills there. Loads of gas on the low side press to the high side, and act deeper there.
+!> Along each direction the nodes make lines. What acts below a particle on the lines around it,
+!> over the part of faces that the body fills there, is a pressure: of gas on the low side what is
+!> handed to the particles above it, of gas on the high side to those below. A thin body fills no
+!> node, but as much of a line as its walls cover.
+!>
+!> The gradient across layers is a central difference, which takes the load of a layer half from the
+!> layer above and half from that below: with f the load of a layer, tau(j-1) - tau(j+1) = 2 f(j)
+!> where the sums of loads give f(j) + (f(j-1) + f(j+1))/2. So f'/4 is added, and f/4 in the
+!> outermost layer, which has none above it; not in a body so thin that it feels both of its faces,
+!> whose gradients are others.
 module brz_cut_stress_loop_bodies
     use brz_air_grid, only: cell_at
     use brz_cut_cells, only: node_grid_t, see_image
@@ -12,104 +20,122 @@ module brz_cut_stress_loop_bodies
     use brz_kinds, only: dp, int32, rk
     implicit none
     private
-    public :: cut_sum_deeper, cut_stress_particle
+    public :: cut_sum_lines, cut_stress_particle
 
     integer, parameter :: farthest = 2 !! nodes from a wall that bear its load
 
 contains
 
-    !> Loads of the nodes that lie deeper on the lines through a node: of gas on the low side those
-    !> above it, of gas on the high side those below.
+    !> On the lines through a node: loads of the nodes that lie deeper, of gas on the low side those
+    !> above it, of gas on the high side those below; and the area that all near it bear.
     !@loop_body if(n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine cut_sum_deeper(s, nodes, cell, slot, force, from_low, deeper)
+    pure subroutine cut_sum_lines(s, nodes, cell, slot, force, from_low, faces, deeper, in_line)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
         integer(int32), intent(in) :: cell(*), slot(*)
         real(dp), intent(in) :: force(3, *) !! of all walls [N]
         real(rk), intent(in) :: from_low(3, *) !! of those with gas on the low side [N]
-        real(rk), intent(inout) :: deeper(2, 3, *) !! from the low side, from the high side [N]
+        real(rk), intent(in) :: faces(2, 3, *) !! area that a node bears, in faces
+        real(rk), intent(inout) :: deeper(2, 3, *) !! from the low, the high side [N]
+        real(rk), intent(inout) :: in_line(2, 3, *) !! in faces
         integer :: b, d, e, ijk(3), m, side, to(3)
         logical :: turned
+        real(rk) :: load(2)
 
         ijk = cell_at(nodes%n, cell(s))
         do d = 1, 3
             do side = 1, 2
                 deeper(side, d, s) = 0
-                if (nodes%n(d) == 1) cycle
-                do m = 1, farthest
-                    do e = 1, 3
-                        to(e) = ijk(e)
-                        if (e == d) to(e) = ijk(e) + (3 - 2*side)*m
-                    end do
-                    call see_image(nodes, d, 1, to(d), turned)
-                    b = entry_at(nodes, to(1), to(2), to(3), slot)
-                    if (b == 0) cycle
-                    ! what loads an image from its low side is its high side
-                    if ((side == 1) .neqv. turned) then
-                        deeper(side, d, s) = deeper(side, d, s) &
-                                             + merge(-1, 1, turned)*from_low(d, b)
-                    else
-                        deeper(side, d, s) = deeper(side, d, s) + merge(-1, 1, turned) &
-                                             *(real(force(d, b), rk) - from_low(d, b))
-                    end if
+                in_line(side, d, s) = 0
+            end do
+            if (nodes%n(d) == 1) cycle
+            do m = -farthest, farthest
+                do e = 1, 3
+                    to(e) = ijk(e)
+                end do
+                to(d) = ijk(d) + m
+                call see_image(nodes, d, 1, to(d), turned)
+                b = entry_at(nodes, to(1), to(2), to(3), slot)
+                if (b == 0) cycle
+                load(1) = from_low(d, b)
+                load(2) = real(force(d, b), rk) - from_low(d, b)
+                do side = 1, 2
+                    ! what is on the low side of an image is on its high side
+                    e = merge(3 - side, side, turned)
+                    in_line(side, d, s) = in_line(side, d, s) + faces(e, d, b)
+                    if (merge(m, -m, side == 1) <= 0) cycle
+                    deeper(side, d, s) = deeper(side, d, s) + merge(-load(e), load(e), turned)
                 end do
             end do
         end do
-    end subroutine cut_sum_deeper
+    end subroutine cut_sum_lines
 
     !> Stress that a particle of a body lacks along each direction.
     !@loop_body
     !@cuf attributes(host,device) &
-    pure subroutine cut_stress_particle(t, first, nodes, share, wide, stride_d, stride_t, home, &
-                                        cell, slot, x, fill, mass, above, force, from_low, &
-                                        deeper, face_stress)
+    pure subroutine cut_stress_particle(t, first, nodes, share, apart, wide, stride_d, stride_t, &
+                                        home, cell, slot, x, fill, distance, mass, above, force, &
+                                        from_low, faces, deeper, in_line, face_stress)
         integer, intent(in) :: t !! particles of the body
         integer, intent(in) :: first !! the first of them
         type(node_grid_t), intent(in) :: nodes
         real(rk), intent(in) :: share !! face_share of the body, for which the stress is kept
+        real(dp), intent(in) :: apart(3) !! distances of its layers [m]
         integer, intent(in) :: wide !! rows of x
         integer, intent(in) :: stride_d, stride_t
         !! distances in `face_stress` of components, of particles
         integer(int32), intent(in) :: home(*), cell(*), slot(*)
         real(dp), intent(in) :: x(wide, *)
-        real(rk), intent(in) :: fill(*)
+        real(rk), intent(in) :: fill(*), distance(*)
         real(dp), intent(in) :: mass(*) !! of nodes [kg]
         real(rk), intent(in) :: above(3, *) !! part of it above the node
         real(dp), intent(in) :: force(3, *)
-        real(rk), intent(in) :: from_low(3, *), deeper(2, 3, *)
+        real(rk), intent(in) :: from_low(3, *), faces(2, 3, *), deeper(2, 3, *), in_line(2, 3, *)
         real(rk), intent(inout) :: face_stress(*) !! [Pa]
-        real(rk) :: across, line(2), pressed(3), width(3)
-        real(dp) :: place, y(3)
-        integer :: at(3), c, d, ijk(3), p, pair(2)
+        real(rk) :: across, at, borne(2), layer, line(2), outermost, pressed(2), stress, width(2)
+        real(rk) :: y_phi
+        real(dp) :: y(3)
+        integer :: c, d, ijk(3), low(3), p, pair(2), side
 
         p = first - 1 + t
+        if (home(p) > 0) ijk = cell_at(nodes%n, cell(home(p)))
         do d = 1, 3
-            pressed(d) = 0
-            width(d) = 0
             y(d) = x(d, p)
         end do
-        if (home(p) > 0) then
-            ijk = cell_at(nodes%n, cell(home(p)))
-            do d = 1, 3
-                if (nodes%n(d) == 1) cycle
-                place = way_from(nodes, d, ijk(d), y(d))
+        do d = 1, 3
+            stress = 0
+            if (home(p) > 0 .and. nodes%n(d) > 1) then
+                do side = 1, 2
+                    pressed(side) = 0
+                    width(side) = 0
+                end do
+                at = real(way_from(nodes, d, ijk(d), y(d)), rk)
+                layer = real(apart(d)/nodes%dx(d), rk)
                 do c = 0, 7
                     if (iand(c, 2**(d - 1)) /= 0) cycle
-                    call line_of(nodes, ijk, d, c, slot, pair, at)
+                    call line_of(nodes, ijk, d, c, slot, pair, low)
                     if (pair(1) == 0 .or. pair(2) == 0) cycle
-                    across = real(tent_across(nodes, at, d, y), rk)
+                    across = real(tent_across(nodes, low, d, y), rk)
                     if (.not. across > 0) cycle
-                    line = line_at(d, real(place, rk), pair, fill, mass, above, force, from_low, &
-                                   deeper)
-                    pressed(d) = pressed(d) + across*line(1)
-                    width(d) = width(d) + across*line(2)
+                    y_phi = (1 - at)*distance(pair(1)) + at*distance(pair(2))
+                    outermost = max(0.0_rk, 1 - abs(-y_phi/layer - 0.5_rk))
+                    do side = 1, 2
+                        borne(side) = min(1.0_rk, max(faces(side, d, pair(1)), &
+                                                      faces(side, d, pair(2))))
+                    end do
+                    line = line_at(d, at, layer, outermost, borne, pair, fill, mass, above, &
+                                   force, from_low, deeper)
+                    do side = 1, 2
+                        pressed(side) = pressed(side) + across*line(side)
+                        width(side) = width(side) + across*min(1.0_rk, max(fill(pair(1)), &
+                            fill(pair(2)), in_line(side, d, pair(1)), in_line(side, d, pair(2))))
+                    end do
                 end do
-            end do
-        end if
-        do d = 1, 3
-            if (width(d) > 0) pressed(d) = pressed(d)/(width(d)*nodes%area(d)*share)
-            face_stress(1 + (d - 1)*stride_d + (p - 1)*stride_t) = -pressed(d)
+                if (width(1) > 0) stress = stress - pressed(1)/(width(1)*nodes%area(d)*share)
+                if (width(2) > 0) stress = stress + pressed(2)/(width(2)*nodes%area(d)*share)
+            end if
+            face_stress(1 + (d - 1)*stride_d + (p - 1)*stride_t) = stress
         end do
     end subroutine cut_stress_particle
 
@@ -127,8 +153,8 @@ contains
         do e = 1, 3
             low(e) = ijk(e) + iand(ishft(corner, 1 - e), 1)
             to(e) = low(e)
-            if (e == d) to(e) = low(e) + 1
         end do
+        to(d) = low(d) + 1
         pair(1) = entry_at(nodes, low(1), low(2), low(3), slot)
         pair(2) = entry_at(nodes, to(1), to(2), to(3), slot)
     end subroutine line_of
@@ -144,45 +170,56 @@ contains
 
         do e = 1, 3
             y(e) = x(e)
-            if (e == d) y(e) = nodes%lo(d) + (nodes%before(d) + ijk(d) - 1)*nodes%dx(d)
         end do
+        y(d) = nodes%lo(d) + (nodes%before(d) + ijk(d) - 1)*nodes%dx(d)
         weight = tent(nodes, ijk, y)
     end function tent_across
 
-    !> What acts on a line below a particle between two of its nodes, as a pressure [N], and the
-    !> part of a face that the body fills there.
+    !> What acts on a line below a particle between two of its nodes, of gas on the low and on the
+    !> high side [N].
     !@cuf attributes(host,device) &
-    pure function line_at(d, at, pair, fill, mass, above, force, from_low, deeper) result(line)
+    pure function line_at(d, at, layer, outermost, borne, pair, fill, mass, above, force, &
+                          from_low, deeper) result(line)
         integer, intent(in) :: d !! direction
         real(rk), intent(in) :: at !! place between the nodes, 0 to 1
+        real(rk), intent(in) :: layer !! distance of layers, in cells
+        real(rk), intent(in) :: outermost !! 1: in the outermost layer
+        real(rk), intent(in) :: borne(2) !! of walls with gas on the low, the high side, in faces
         integer, intent(in) :: pair(2) !! entries of the nodes
         real(rk), intent(in) :: fill(*), above(3, *), from_low(3, *), deeper(2, 3, *)
         real(dp), intent(in) :: mass(*), force(3, *)
         real(rk) :: line(2)
-        real(rk) :: layer, whole, over(2) ! share of the load of each node above the particle
-        integer :: k, s
+        real(rk) :: between, half, load(2), over, own, slope, whole
+        integer :: k, s, side
 
-        line(2) = 0
+        line(1) = deeper(1, d, pair(2))
+        line(2) = deeper(2, d, pair(1))
+        half = layer/2
         do k = 1, 2
             s = pair(k)
-            over(k) = 0
-            line(2) = max(line(2), min(fill(s), 1.0_rk))
             whole = real(mass(s), rk)
             if (.not. whole > 0) cycle
-            ! of the layer between the nodes, as far as a body that goes on has mass there
+            load(1) = from_low(d, s)
+            load(2) = real(force(d, s), rk) - from_low(d, s)
+            ! mass of the node above the particle: the mean of both sides of the particle's layer, as
+            ! a body has it that goes on between the nodes; not more than there is
             if (k == 1) then
-                layer = min(above(d, s), whole/fill(s)*0.5_rk*(1 - at)**2)
-                over(k) = layer/whole
+                between = min(above(d, s), whole/fill(s)*0.5_rk*((1 - at)**2 + half**2))
+                over = between/whole
+                own = layer*(1 - at)/fill(s)
+                slope = -layer**2/fill(s)
             else
-                layer = min(whole - above(d, s), whole/fill(s)*0.5_rk*(1 - at**2))
-                over(k) = (above(d, s) + layer)/whole
+                between = min(whole - above(d, s), whole/fill(s)*0.5_rk*(1 - at**2 - half**2))
+                over = (above(d, s) + between)/whole
+                own = layer*at/fill(s)
+                slope = layer**2/fill(s)
             end if
-        end do
-        line(1) = deeper(1, d, pair(2)) - deeper(2, d, pair(1))
-        do k = 1, 2
-            s = pair(k)
-            line(1) = line(1) + over(k)*from_low(d, s) &
-                - (1 - over(k))*(real(force(d, s), rk) - from_low(d, s))
+            line(1) = line(1) + over*load(1)
+            line(2) = line(2) + (1 - over)*load(2)
+            do side = 1, 2
+                line(side) = line(side) + (1 - borne(3 - side))*load(side) &
+                             *(merge(slope, -slope, side == 1) + outermost*own)/4
+            end do
         end do
     end function line_at
 end module brz_cut_stress_loop_bodies

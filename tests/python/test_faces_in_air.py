@@ -52,9 +52,8 @@ def pressures(folder, layers, a=0, after=26):
     return -np.mean(found, axis=0)
 
 
-# The load of a face of the air is spread over one and a half cells; the stress of the outermost
-# layer meets the pressure, and so do those below: 0.1 to 0.5 of it where they feel what acts above
-# them alone.
+# The load of a face of the air is spread over two cells; the stress of the outermost layer meets the
+# pressure, and so do those below: 0.1 to 0.9 of it where they feel what acts above them alone.
 @pytest.mark.parametrize(("dimension", "per_cell", "layers", "form"), [
     (*case, form) if case[0] == 2 or form == "bending" else slow(*case, form)
     for case in [(1, 2, 12), (1, 3, 12), (2, 2, 6), (3, 2, 4)]
@@ -68,25 +67,26 @@ def test_the_stress_at_a_face_meets_the_air(tmp_path, dimension, per_cell, layer
     for layer, value in enumerate(pressed[:3], 1):
         note(f"face_in_air_{dimension}_{per_cell}_{form}_{layer}", value)
     assert pressed == pytest.approx(np.ones(layers), abs=0.03)
-    # the energy of the block, less that of the layer above the mean depth of the load, half a
-    # cell, which the air does not pay: see record_face
-    k = np.arange(layers)
-    weight = np.maximum(1 - k / (1.5 * per_cell), 0)
-    depth = 0.5 + (k * weight).sum() / weight.sum()
+    # the energy of the block, less that of what lies above the mean depth of the load, which the air
+    # does not pay: the nodes of a cell bear a third on its face and two thirds a cell below
+    depth = (np.arange(2 * per_cell) + 0.5) / per_cell
+    weight = np.maximum(1 - depth, 0) / 1.5 + (1 - abs(1 - depth)) / 1.5
+    depth = per_cell * (depth * weight).sum() / weight.sum()
     softness = (1 - 2 * 0.2**2 / (1 - 0.2), 1 - 0.2**2, 1)[dimension - 1] / 10e9
     volume = (layers * 1e-3) ** (dimension - 1) * (layers - depth) * 1e-3
     held = 2e6**2 / 2 * softness * volume
     assert energy["solid_internal[J]"][-1] == pytest.approx(held, rel=0.02)
 
 
-# Air that presses on a block from all sides alike: the same stress in every layer, at rest.
+# Air that presses on a block from all sides alike: the same stress in every layer, at rest. At the
+# free edge nodes bear loads by mass, a third too little at it and a sixth too much beside it.
 @pytest.mark.parametrize("form", ["bending", "corrected_hourglass"])
 def test_air_from_all_sides_presses_evenly(tmp_path, form):
     tables = run(tmp_path, block(2, form, 2, 8, sides="xy"))
     for a in (0, 1):
         pressed = pressures(tmp_path / "out" / "load", 8, a) / 2e6
         note(f"face_in_air_even_{form}_{'xy'[a]}", pressed[0])
-        assert pressed == pytest.approx(np.ones(8), abs=0.03)
+        assert pressed == pytest.approx(np.ones(8), abs=0.06)
     energy = tables["energy"]
     assert energy["solid_kinetic[J]"][-1] < 1e-2 * energy["solid_internal[J]"][-1]
     assert np.abs(energy["coupling_error[-]"]).max() < 1e-5

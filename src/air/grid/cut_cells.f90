@@ -29,7 +29,7 @@ module brz_cut_cells
         integer :: before(3) = 0 !! cells of the grid before the first: on several processes the box
                                  !! is a halo
         integer :: own(3, 2) = 1 !! first and last cell of this process
-        logical :: mirrors(2, 3) = .false. !! a plane of symmetry is at this end of the grid
+        logical :: mirrors(2, 3) = .false. !! a plane of symmetry or a wall is at this end
         logical :: wraps(3) = .false. !! periodic directions, whole in the box of each process
         integer :: dimensions = 0 !! directions that are modelled
         real(dp) :: lo(3) = 0 !! low corner of the grid [m]
@@ -76,8 +76,8 @@ module brz_cut_cells
         integer(int32), allocatable :: heaviest(:) !! (n) particle of the most mass there, 0: none
         real(dp), allocatable :: force(:, :) !! (3, n) load that the node hands to particles [N]
         real(rk), allocatable :: from_low(:, :) !! (3, n) of that from gas on the low side [N]
-        real(rk), allocatable :: deeper(:, :) !! (6, n) of nodes deeper in the body, see
-                                              !! cut_sum_deeper [N]
+        real(rk), allocatable :: faces(:, :) !! (6, n) area of walls that it bears, see cut_bear
+        real(rk), allocatable :: deeper(:, :), in_line(:, :) !! (6, n) see cut_sum_lines
         real(dp), allocatable :: moment(:, :) !! (3, n) its torque about the low corner [N m]
         real(dp), allocatable :: impedance(:, :) !! (3, n) loss of force of a node per velocity
                                                  !! [N s/m]
