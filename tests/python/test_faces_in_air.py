@@ -52,8 +52,8 @@ def pressures(folder, layers, a=0, after=26):
     return -np.mean(found, axis=0)
 
 
-# The load of a face of the air is spread over two cells; the stress of the outermost layer meets the
-# pressure, and so do those below: 0.1 to 0.9 of it where they feel what acts above them alone.
+# The load of a face of the air is spread over two cells; the stress of the outermost layer meets
+# the pressure, and so do those below: 0.1 to 0.9 of it where they feel what acts above them alone.
 @pytest.mark.parametrize(("dimension", "per_cell", "layers", "form"), [
     (*case, form) if case[0] == 2 or form == "bending" else slow(*case, form)
     for case in [(1, 2, 12), (1, 3, 12), (2, 2, 6), (3, 2, 4)]
@@ -67,8 +67,8 @@ def test_the_stress_at_a_face_meets_the_air(tmp_path, dimension, per_cell, layer
     for layer, value in enumerate(pressed[:3], 1):
         note(f"face_in_air_{dimension}_{per_cell}_{form}_{layer}", value)
     assert pressed == pytest.approx(np.ones(layers), abs=0.03)
-    # the energy of the block, less that of what lies above the mean depth of the load, which the air
-    # does not pay: the nodes of a cell bear a third on its face and two thirds a cell below
+    # the energy of the block, less that of what lies above the mean depth of the load, which the
+    # air does not pay: the nodes of a cell bear a third on its face and two thirds a cell below
     depth = (np.arange(2 * per_cell) + 0.5) / per_cell
     weight = np.maximum(1 - depth, 0) / 1.5 + (1 - abs(1 - depth)) / 1.5
     depth = per_cell * (depth * weight).sum() / weight.sum()
