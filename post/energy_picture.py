@@ -20,7 +20,6 @@ AIR = (
     (("air_internal",), "air, internal", "-"),
     (("air_kinetic",), "air, kinetic", "-"),
     (("air_outflow",), "left through the outer faces", "-"),
-    (("air_stored",), "stored for solid cells", "--"),
 )
 SOLID = (
     (("air_work",), "given by the air", "-"),

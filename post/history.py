@@ -11,7 +11,7 @@ import numpy as np
 from post.errors import PostError
 
 # names of columns that files of older versions have, and the present ones
-RENAMED = {"air_ledger": "air_stored", "held_cells": "limited_cells"}
+RENAMED = {"held_cells": "limited_cells"}
 
 
 class History:

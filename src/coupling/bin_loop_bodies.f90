@@ -1,35 +1,20 @@
 ! SPDX-License-Identifier: MIT
-!> Particles by solid cell: a counting sort, and within a cell by their numbers, so that sums over a
-!> cell depend neither on where particles are in memory nor on threads and processes.
+!> Bins of a counting sort in the order of the numbers of what is in them, so that sums over a bin
+!> depend neither on where particles are in memory nor on threads and processes.
 module brz_bin_loop_bodies
-    use brz_coupling_box, only: box_t, place_at
     use brz_kinds, only: int32
     implicit none
     private
-    public :: find_home, sort_bin
+    public :: sort_bin
 
 contains
 
-    !> Place of the cell of a particle in the list of solid cells.
-    !@loop_body
-    !@cuf attributes(host,device) &
-    pure subroutine find_home(p, box, cell, cell_of, home)
-        integer, intent(in) :: p !! particles
-        type(box_t), intent(in) :: box
-        integer(int32), intent(in) :: cell(*) !! 0: outside
-        integer, intent(in) :: cell_of(*)
-        integer(int32), intent(inout) :: home(*) !! 0: outside
-
-        home(p) = 0
-        if (cell(p) > 0) home(p) = cell_of(place_at(box, cell(p)))
-    end subroutine find_home
-
-    !> Bring the particles of a cell, ends(c) + 1..ends(c + 1) of `binned`, into the order of their
+    !> Bring the particles of a bin, ends(c) + 1..ends(c + 1) of `binned`, into the order of their
     !> numbers; most are in it but for some runs.
     !@loop_body if(27*n >= worth_threads) schedule(dynamic, 64)
     !@cuf attributes(host,device) &
     pure subroutine sort_bin(c, id, ends, binned)
-        integer, intent(in) :: c !! solid cells
+        integer, intent(in) :: c !! bins
         integer(int32), intent(in) :: id(*), ends(*)
         integer(int32), intent(inout) :: binned(*)
         integer(int32) :: before, number

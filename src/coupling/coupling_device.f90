@@ -1,29 +1,25 @@
 ! SPDX-License-Identifier: MIT
 !> What the coupling has on a GPU besides the arrays of coupling_t: diagnostics that its threads
-!> keep, and who exchanges halos of the air.
+!> keep.
 module brz_coupling_device
     use brz_buffers, only: doubles_t, from
-    use brz_gpu_fetch, only: gpu_fetch_t
     use brz_kinds, only: int64
     use brz_tallies, only: tally_threads
     implicit none
     private
     public :: coupling_device_t, diag_at, n_sums
-    public :: diag_work, diag_images, diag_low, diag_high, n_diag
+    public :: diag_work, n_diag
 
-    integer, parameter :: n_sums = 11 !! numbers in a row of sums_in
+    integer, parameter :: n_sums = 8 !! numbers in a row of sums_in
 
     ! columns of the diagnostics
     integer, parameter :: diag_work = 1 !! to 8: work and impulses, as sums_in has them
-    integer, parameter :: diag_images = 9 !! to 11: what images took
-    integer, parameter :: diag_low = n_sums + 1, diag_high = n_sums + 2 !! least, largest cell store
-    integer, parameter :: n_diag = n_sums + 2
+    integer, parameter :: n_diag = n_sums
 
     type :: coupling_device_t
         logical :: walls_fetched = .false. !! no cell has changed hands since the last fetch
         type(doubles_t) :: diag !! (tally_threads, n_diag) see coupling_diagnostics_t
         type(doubles_t) :: speed !! (tally_threads) of the fastest wall [1/s]
-        type(gpu_fetch_t) :: coupling_halo !! gas and cell stores of other processes
     end type coupling_device_t
 
 contains

@@ -3,12 +3,9 @@
 module brz_coupling_gather
     use brz_air_grid, only: nodes_along
     use brz_cell_shells, only: cell_at, number_of
-    use brz_coupling_box, only: is_own
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: diagnostics_of_all
     use brz_cut_cells, only: cut_before_t, cut_cells_t
-    use brz_deferred_source_driver, only: size_deferred_sources
-    use brz_errors, only: error_t
     use brz_kinds, only: dp, int32, int64, rk
     use brz_message_exchange, only: message_exchange_t, make_room, post, put_numbers, &
         take_numbers, tell_counts
@@ -22,8 +19,8 @@ module brz_coupling_gather
 
 contains
 
-    !> What a checkpoint holds of the coupling but for what keep_before adds, in the first process;
-    !> deferred sources in the order of the grid. All must call.
+    !> What a checkpoint holds of the coupling but for what keep_before adds, in the first process.
+    !> All must call.
     subroutine gather_coupling(coupling, all)
         type(coupling_t), intent(in) :: coupling
         type(coupling_t), intent(inout) :: all
@@ -33,7 +30,6 @@ contains
         all%dt_before = coupling%dt_before
         associate (ranks => coupling%ranks)
             call diagnostics_of_all(ranks, coupling, all%diagnostics)
-            call gather_deferred_sources(ranks, coupling, all)
             if (coupling%wall%cells%present) call gather_cut_cells(ranks, coupling%wall%cells, &
                 all%wall%cells)
         end associate
@@ -50,32 +46,6 @@ contains
             all%v_before(:, whole%id(i)) = whole%v_before(:, i)
         end do
     end subroutine keep_before
-
-    !> All deferred sources, in the first process.
-    subroutine gather_deferred_sources(ranks, coupling, all)
-        type(ranks_t), intent(in) :: ranks
-        type(coupling_t), intent(in) :: coupling
-        type(coupling_t), intent(inout) :: all
-        real(dp) :: own(coupling%n_var + 1, coupling%n_deferred)
-        real(dp), allocatable :: there(:, :)
-        type(error_t) :: none !! nothing fails on the host
-        integer :: e, n
-
-        n = 0
-        do e = 1, coupling%n_deferred
-            if (.not. is_own(coupling%box, coupling%deferred_cell(e))) cycle
-            n = n + 1
-            own(1, n) = number_of(coupling%box%whole, coupling%box%before &
-                                  + cell_at(coupling%box%n, coupling%deferred_cell(e)))
-            own(2:, n) = coupling%deferred(:, e)
-        end do
-        call gather_rows(ranks, own(:, :n), there)
-        n = size(there, 2)
-        call size_deferred_sources(all, n, none)
-        all%n_deferred = n
-        all%deferred_cell(:n) = nint(there(1, :))
-        all%deferred(:, :n) = real(there(2:, :), rk)
-    end subroutine gather_deferred_sources
 
     !> Rows of all processes in the first one, in the order of their first numbers.
     subroutine gather_rows(ranks, own, all)
@@ -189,22 +159,12 @@ contains
         type(coupling_t), intent(in) :: all
         class(particles_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: coupling
-        type(error_t) :: none
-        integer :: e, i, ijk(3)
+        integer :: i
 
         do i = 1, solid%n
             solid%v_before(:, i) = all%v_before(:, solid%id(i))
         end do
         coupling%dt_before = all%dt_before
-        coupling%n_deferred = 0
-        call size_deferred_sources(coupling, all%n_deferred, none)
-        do e = 1, all%n_deferred
-            ijk = cell_at(coupling%box%whole, all%deferred_cell(e)) - coupling%box%before
-            if (any(ijk < 1 .or. ijk > coupling%box%n)) cycle
-            coupling%n_deferred = coupling%n_deferred + 1
-            coupling%deferred_cell(coupling%n_deferred) = number_of(coupling%box%n, ijk)
-            coupling%deferred(:, coupling%n_deferred) = all%deferred(:, e)
-        end do
         if (solid%ranks%rank == 0) coupling%diagnostics = all%diagnostics
         if (all%wall%cells%present) call share_cut_cells(all%wall%cells%before, coupling%wall%cells)
     end subroutine share_coupling

@@ -2,7 +2,6 @@
 !> Copies of particles of all processes for the process in whose halo of the air they are, and
 !> what goes back: their loads. See brz_coupling_part.
 module brz_coupling_ghost_driver
-    use brz_driven_body_driver, only: sum_shifts
     use brz_coupling_ghosts, only: find_runs, needs_volumes, send_coupling_ghosts
     use brz_coupling_part, only: introduce, list_now, may_have_come
     use brz_coupling_state, only: coupling_t
@@ -59,9 +58,7 @@ contains
             call send_coupling_ghosts(solid, c, .true., err)
             call list_now(solid, c%part%since)
             c%part%rebuilds = solid%laid
-            c%rebuilds = -1 ! a ghost's place was another one's
         end if
-        call sum_shifts(solid, solid, c, err)
     end subroutine renew_coupling_ghosts
 
     !> List the particles in the halos and a layer around, and give them places there.
@@ -165,8 +162,6 @@ contains
         call at_least(c%on_gpu, c%ghosts%id, n, err)
         call at_least(c%on_gpu, c%ghosts%fixed, n, err)
         call at_least(c%on_gpu, c%cell_of, n, err)
-        call at_least(c%on_gpu, c%place_of, n, err)
-        call at_least(c%on_gpu, c%binned, n, err)
     end subroutine size_coupling_ghosts
 
     !> Give every particle the load that the process found in whose cell it is; none outside. Those

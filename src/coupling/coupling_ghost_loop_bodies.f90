@@ -1,18 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> What several processes tell each other of the coupling: who gets which particles, cells and
-!> deferred sources. A process is asked for by a box of cells; marks are a row for each box.
+!> What several processes tell each other of the coupling: who gets which particles. A process is
+!> asked for by a box of cells; marks are a row for each box.
 module brz_coupling_ghost_loop_bodies
-    use brz_cell_shells, only: cell_at, number_of
     use brz_coupling_box, only: box_t
-    use brz_kinds, only: dp, int32, int8, rk
+    use brz_kinds, only: dp, int32, rk
     use brz_particle_marks, only: is_gone
     implicit none
     private
-    public :: mark_coupling_ghost, miss_coupling_ghost, mark_cells, take_load, renumber, mark_around
-    public :: block_at, blocks_of, always_near
-
-    integer, parameter :: side = 4 !! cells of a block, more than an event reaches
-    integer, parameter :: always_near = 1 !! a block that stands for cells which are always fetched
+    public :: mark_coupling_ghost, miss_coupling_ghost, take_load
 
 contains
 
@@ -140,29 +135,6 @@ contains
         end do
     end function is_in
 
-    !> mark = 1 for a cell of a list that is in a box, else 0.
-    !@loop_body
-    !@cuf attributes(host,device) &
-    pure subroutine mark_cells(i, row, boxes, asks, box, cell, mark)
-        integer, intent(in) :: i !! of the list
-        integer, intent(in) :: row !! marks of a box
-        integer, intent(in) :: boxes
-        integer(int32), intent(in) :: asks(6, *) !! lowest and highest cell of the grid
-        type(box_t), intent(in) :: box !! in which cells are numbered
-        integer(int32), intent(in) :: cell(*)
-        integer(int32), intent(inout) :: mark(*) !! (list, boxes)
-        integer :: d, ijk(3), r
-
-        ijk = cell_at(box%n, cell(i))
-        do d = 1, 3
-            ijk(d) = ijk(d) + box%before(d)
-        end do
-        do r = 1, boxes
-            mark((r - 1)*row + i) = 0
-            if (is_in(asks(1, r), ijk)) mark((r - 1)*row + i) = 1
-        end do
-    end subroutine mark_cells
-
     !> The load of a particle, or the stress of its faces, from the process in whose box it is: none
     !> comes from others.
     !@loop_body
@@ -195,74 +167,4 @@ contains
         end do
     end subroutine take_load
 
-    !> The number that a cell of one halo has in another, which holds it too.
-    !@loop_body
-    !@cuf attributes(host,device) &
-    pure subroutine renumber(i, here, there, cell, number)
-        integer, intent(in) :: i !! cells
-        type(box_t), intent(in) :: here, there
-        integer(int32), intent(in) :: cell(*)
-        integer(int32), intent(inout) :: number(*)
-        integer :: d, ijk(3)
-
-        ijk = cell_at(here%n, cell(i))
-        do d = 1, 3
-            ijk(d) = ijk(d) + here%before(d) - there%before(d)
-        end do
-        number(i) = number_of(there%n, ijk)
-    end subroutine renumber
-
-    !> Mark the blocks of cells around a solid cell, row by row for the processes that see it, too.
-    !@loop_body
-    !@cuf attributes(host,device) &
-    pure subroutine mark_around(c, boxes, asks, box, cell, near)
-        integer, intent(in) :: c !! solid cells
-        integer, intent(in) :: boxes
-        integer(int32), intent(in) :: asks(6, *) !! lowest and highest cell of the grid
-        type(box_t), intent(in) :: box
-        integer(int32), intent(in) :: cell(*)
-        integer(int8), intent(inout) :: near(*) !! (blocks, boxes), behind always_near
-        integer :: d, grid(3), i, ijk(3), j, k, r, to(3)
-
-        ijk = cell_at(box%n, cell(c))
-        do d = 1, 3
-            grid(d) = ijk(d) + box%before(d)
-        end do
-        do r = 1, boxes
-            if (.not. is_in(asks(1, r), grid)) cycle
-            do k = -1, 1
-                do j = -1, 1
-                    do i = -1, 1
-                        to(1) = min(max(ijk(1) + i*side, 1), box%n(1))
-                        to(2) = min(max(ijk(2) + j*side, 1), box%n(2))
-                        to(3) = min(max(ijk(3) + k*side, 1), box%n(3))
-                        near(block_at(box, r, to)) = 1
-                    end do
-                end do
-            end do
-        end do
-    end subroutine mark_around
-
-    !> Place of the block of a cell in the map of blocks for a box. Blocks are those of the grid.
-    !@cuf attributes(host,device) &
-    pure function block_at(box, r, ijk) result(at)
-        type(box_t), intent(in) :: box
-        integer, intent(in) :: r !! of the box, from 1
-        integer, intent(in) :: ijk(3) !! as the halo counts
-        integer :: at, d
-
-        at = r - 1
-        do d = 3, 1, -1
-            at = at*((box%before(d) + box%n(d) - 1)/side - box%before(d)/side + 1) &
-                 + (box%before(d) + ijk(d) - 1)/side - box%before(d)/side
-        end do
-        at = at + always_near + 1
-    end function block_at
-
-    !> Blocks of a halo.
-    pure integer function blocks_of(box)
-        type(box_t), intent(in) :: box
-
-        blocks_of = product((box%before + box%n - 1)/side - box%before/side + 1)
-    end function blocks_of
 end module brz_coupling_ghost_loop_bodies

@@ -40,9 +40,6 @@ module brz_coupling_part
         integer(int32), allocatable :: seat(:) !! 1, 2, 3, ... for as many as there is room for
         real(rk), allocatable :: loads(:, :) !! (3, out) that have come back
         real(rk), allocatable :: stresses(:, :) !! (6, out) of loaded faces, likewise
-        ! wall faces: impulses go from who has the gas to who has loads to hand out
-        type(message_buffers_t) :: faces_out, faces_in
-        type(message_buffers_t) :: deferred_out, deferred_in
         type(marks_t) :: marks
     end type coupling_part_t
 

@@ -23,25 +23,15 @@ module brz_air_operations
 
 contains
 
-    !> Buffers and impulses for a step, and that bricks with solid are reached.
+    !> Buffers for a step.
     subroutine get_ready(air, wall)
         type(air_t), intent(inout) :: air
-        type(wall_t), intent(inout) :: wall
-        integer :: c, cell(3)
+        type(wall_t), intent(in) :: wall
 
         call make_buffers(air)
-        if (.not. allocated(wall%solid)) allocate (wall%solid(1, 1, 1), wall%index(1, 1, 1), &
-            wall%v(3, 0), wall%face_of(6, 0), wall%push(0), wall%impulse(0))
-        wall%push(:wall%n_faces) = 0
-        wall%impulse(:wall%n_faces) = 0
         call set_scale(air)
         call set_grid(air)
-        air%grid%walls = merge(merge(2, 1, wall%cells%present), 0, wall%present)
-        do c = 1, wall%n_cells
-            if (any(wall%cell(:, c) < 1 .or. wall%cell(:, c) > air%n)) cycle ! of another process
-            cell = (wall%cell(:, c) - 1)/brick + 1
-            air%reached(cell(1), cell(2), cell(3)) = 1
-        end do
+        if (wall%cells%present) air%grid%walls = 2
     end subroutine get_ready
 
     !> Give every thread its buffers; only a first step, or one with more threads, allocates.
@@ -66,12 +56,12 @@ contains
     !> cells get theirs afterwards.
     subroutine sweep_all(air, wall, stage)
         type(air_t), intent(inout) :: air
-        type(wall_t), intent(inout) :: wall
+        type(wall_t), intent(in) :: wall
         type(stage_t), intent(in) :: stage
         integer :: d
 
         do d = 1, air%grid%last
-            if (air%n(d) > 1) call sweep(air, wall, d, stage)
+            if (air%n(d) > 1) call sweep(air, d, stage)
         end do
         if (any(air%suspect(:n_blocks(air%n, air%grid%last)) > 0)) &
             call find_suspects(air, wall, stage)
@@ -133,7 +123,7 @@ contains
     !> that have marks or lie beside one that has.
     subroutine redo(air, wall, stage, pass, task)
         type(air_t), intent(inout) :: air
-        type(wall_t), intent(inout) :: wall
+        type(wall_t), intent(in) :: wall
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: pass !! marks up to this one count
         integer, intent(in) :: task !! to_redo, ...
@@ -152,9 +142,8 @@ contains
                 do i = 1, air%n(1)
                     if (.not. is_touched(pass, task, air%grid, i, j, k, air%bad)) cycle
                     if (is_cut(wall, i, j, k)) cycle
-                    if (task == to_redo) call redo_rates(pass, air%grid, air%scheme, stage, &
-                        i, j, k, air%u, air%rate, air%bad, air%edge, wall%solid, wall%index, &
-                        wall%v, wall%face_of, wall%push)
+                    if (task == to_redo) call redo_rates(pass, air%grid, air%scheme, i, j, k, &
+                        air%u, air%rate, air%bad, air%edge)
                     call look_at(air, wall, stage, pass, task, [i, j, k])
                 end do
             end do
@@ -180,9 +169,6 @@ contains
         integer, intent(in) :: pass, task, cell(3)
         real(rk) :: old(max_var), euler(max_var)
 
-        if (wall%present) then
-            if (wall%solid(cell(1), cell(2), cell(3)) == 1) return
-        end if
         call euler_step(air, wall, stage, cell, old, euler)
         call mark_cell(air%n_var, stage%floors, pass, task, &
                        place_of(air%grid, cell(1), cell(2), cell(3)), old, euler, air%bad, &

@@ -19,7 +19,7 @@ contains
     !> Largest stable time step: cfl over the largest sum_d (|u_d| + c)/dx_d of all gas cells of all
     !> processes.
     !>
-    !> Solid cells count with the speed of the wall. The first steps of a blast need a smaller step,
+    !> Walls count with their speed. The first steps of a blast need a smaller step,
     !> see time_step_ramp. Cells that are not numbers are left out: air_step reports them.
     real(dp) function air_time_step(air, wall, cfl)
         type(air_t), intent(in) :: air
@@ -44,9 +44,11 @@ contains
         !$omp end parallel do
         if (wall%present) then
             grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
-            call each_wall_speed(wall%n_cells, grid, wall%v, fastest)
-            if (wall%cells%present) &
+            if (wall%cells%present) then
                 call each_wall_speed(wall%cells%n, grid, wall%cells%v, fastest)
+            else
+                call each_wall_speed(wall%filled%n, grid, wall%filled%v, fastest)
+            end if
         end if
         least = cfl/fastest
         call least_of_all(air%part%ranks, least)

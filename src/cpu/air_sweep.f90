@@ -9,8 +9,8 @@ module brz_air_sweep
     use brz_air_boundary, only: beyond_wall
     use brz_air_grid, only: place_of, stage_t
     use brz_air_state, only: air_t, bc_inside, bc_periodic, brick, lines_per_block, n_ghost, &
-        sweep_work_t, wall_t
-    use brz_grid_lines, only: first_cell_of, line_of, n_blocks, n_lines, turned
+        sweep_work_t
+    use brz_grid_lines, only: first_cell_of, n_blocks, n_lines, turned
     use brz_gas, only: pressure
     use brz_positivity, only: margin, stray
     use brz_scheme, only: max_var
@@ -26,12 +26,10 @@ module brz_air_sweep
 
     !> A part of a block of lines, and where it lies in an array seen as a row of numbers.
     type :: run_t
-        integer :: grid(3) = 1 !! cells of the air
         integer :: d = 1 !! direction
         integer :: block = 1
         integer :: lo = 1, hi = 0 !! cells along the lines
         integer :: n = 0 !! their number
-        logical :: has_solid = .false. !! some cell of the block holds solid
         integer :: lines = nb !! lines that count, the others repeat the last one
         logical :: adjacent = .false. !! the lines are neighbours in memory
         integer :: start(nb) = 0 !! place of cell 0 of each line
@@ -44,24 +42,22 @@ module brz_air_sweep
 contains
 
     !> Add (or, first, set) the rates by the fluxes in direction d.
-    subroutine sweep(air, wall, d, stage)
+    subroutine sweep(air, d, stage)
         type(air_t), intent(inout) :: air
-        type(wall_t), intent(inout) :: wall
         integer, intent(in) :: d !! direction
         type(stage_t), intent(in) :: stage
         integer :: b
 
         !$omp parallel do schedule(dynamic, 4) if (product(air%n) > few_cells)
         do b = 1, n_blocks(air%n, d)
-            call sweep_block(air, wall, d, b, stage, air%work(omp_get_thread_num()))
+            call sweep_block(air, d, b, stage, air%work(omp_get_thread_num()))
         end do
         !$omp end parallel do
     end subroutine sweep
 
     !> One block of lines: the parts of it that are active.
-    subroutine sweep_block(air, wall, d, b, stage, work)
+    subroutine sweep_block(air, d, b, stage, work)
         type(air_t), intent(inout) :: air
-        type(wall_t), intent(inout) :: wall
         integer, intent(in) :: d !! direction
         integer, intent(in) :: b !! block
         type(stage_t), intent(in) :: stage
@@ -75,25 +71,22 @@ contains
         work%ends = 0
         work%ends(:, 2, :) = pressure(air%scheme%gamma, air%rest)
         call active_along(air, d, b, active)
-        run%grid = air%n
         run%d = d
         run%block = b
-        if (wall%present) run%has_solid = wall%cut(d)%has_solid(b) == 1
         call locate(air%n, air%g, d, b, run)
         run%hi = 0
         do
             call next_run(active, air%n(d), run%lo, run%hi)
             if (run%lo > air%n(d)) exit
             run%n = run%hi - run%lo + 1
-            call sweep_run(air, wall, run, stage, work)
+            call sweep_run(air, run, stage, work)
         end do
         call keep_ends(air, d, b, run%lines, work%ends)
     end subroutine sweep_block
 
     !> A part of a block of lines, as lines of their own.
-    subroutine sweep_run(air, wall, run, stage, work)
+    subroutine sweep_run(air, run, stage, work)
         type(air_t), intent(inout) :: air
-        type(wall_t), intent(inout) :: wall
         type(run_t), intent(in) :: run
         type(stage_t), intent(in) :: stage
         type(sweep_work_t), intent(inout) :: work
@@ -102,27 +95,23 @@ contains
         n = run%n
         nv = air%n_var
         call load(n, nv, size(air%u), air%u, run, turned(1, run%d), work%q)
-        if (run%has_solid) call blank_solid(air, wall, run, work%q)
         call line_fluxes(n, nv, air%scheme, work%q, work%f)
-        if (run%lo == 1) call wall_end(air, wall, run, 0, work%f)
-        if (run%hi == air%n(run%d)) call wall_end(air, wall, run, run%n, work%f)
-        if (run%has_solid) call cut_fluxes(air, wall, run, stage%push(run%d), work%f)
+        if (run%lo == 1) call wall_end(air, run, 0, work%f)
+        if (run%hi == air%n(run%d)) call wall_end(air, run, run%n, work%f)
         if (run%lo == 1) work%ends(:, :, 1) = work%f(:, :, 0)
         if (run%hi == air%n(run%d)) work%ends(:, :, 2) = work%f(:, :, n)
         call difference(n, nv, real(1/air%dx(run%d), rk), work%f)
-        if (run%has_solid) call load_off_stored(wall, run, nv, work%f)
         call store(n, nv, air%rate, run, turned(1, run%d), run%first, work%f)
         if (run%last) call count_suspects(n, nv, stage, work%q, work%f, air%suspect(run%block))
     end subroutine sweep_run
 
     !> Replace the flux through the first (i = 0) or last face of the lines if a wall is there.
-    subroutine wall_end(air, wall, run, i, f)
+    subroutine wall_end(air, run, i, f)
         type(air_t), intent(in) :: air
-        type(wall_t), intent(in) :: wall
         type(run_t), intent(in) :: run
         integer, intent(in) :: i !! number of the face on the run
         real(rk), intent(inout) :: f(nb, air%n_var, 0:run%n) !! fluxes
-        real(rk) :: flux(max_var), p_star, speed
+        real(rk) :: flux(max_var)
         integer :: d, l, low(3)
 
         d = run%d
@@ -132,7 +121,7 @@ contains
             call first_cell_of(air%n, d, (run%block - 1)*nb + min(l, run%lines), low)
             low(d) = run%lo - 1 + i
             call face_at(d, air%grid, air%scheme, place_of(air%grid, low(1), low(2), low(3)), &
-                         low(d), air%u, wall%solid, wall%index, wall%v, flux, p_star, speed)
+                         low(d), air%u, flux)
             f(l, :, i) = flux(:air%n_var)
         end do
     end subroutine wall_end
@@ -277,7 +266,7 @@ contains
 
     !> Count the cells whose Euler step loses nearly all density or pressure, or is not a number.
     !>
-    !> As is_sound, for the lines of a block. Solid cells may be among those counted.
+    !> As is_sound, for the lines of a block. Cut cells may be among those counted.
     pure subroutine count_suspects(n, nv, stage, q, f, suspects)
         integer, intent(in) :: n !! cells on a line
         integer, intent(in) :: nv !! conserved variables
@@ -313,78 +302,4 @@ contains
         suspects = suspects + sum(bad)
     end subroutine count_suspects
 
-    !> Put a quiet state without pressure into the solid cells: between two of them all fluxes are
-    !> zero, and those between gas and solid are replaced afterwards.
-    subroutine blank_solid(air, wall, run, q)
-        type(air_t), intent(in) :: air
-        type(wall_t), intent(in) :: wall
-        type(run_t), intent(in) :: run
-        real(rk), intent(inout) :: q(nb, air%n_var, 1 - n_ghost:run%n + n_ghost)
-        integer :: l, i, line, cell(3)
-
-        do l = 1, nb
-            line = min((run%block - 1)*nb + l, n_lines(air%n, run%d))
-            call first_cell_of(air%n, run%d, line, cell)
-            do i = 1 - n_ghost, run%n + n_ghost
-                cell(run%d) = run%lo - 1 + i
-                if (wall%solid(cell(1), cell(2), cell(3)) == 0) cycle
-                q(l, 1, i) = air%rho_rest
-                q(l, 2:, i) = 0
-            end do
-        end do
-    end subroutine blank_solid
-
-    !> Replace the fluxes of the faces that a solid cell cuts, and note the impulse on the walls.
-    subroutine cut_fluxes(air, wall, run, push, f)
-        type(air_t), intent(in) :: air
-        type(wall_t), intent(inout) :: wall
-        type(run_t), intent(in) :: run
-        real(rk), intent(in) :: push !! impulse per pressure, see stage_t [m2 s]
-        real(rk), intent(inout) :: f(nb, air%n_var, 0:run%n) !! fluxes
-        real(rk) :: flux(max_var), p_star
-        integer :: d, e, l, face, low(3)
-
-        d = run%d
-        do e = wall%cut(d)%first(run%block), wall%cut(d)%first(run%block + 1) - 1
-            low = wall%cut(d)%face(1:3, e)
-            if (low(d) < run%lo - 1 .or. low(d) > run%hi) cycle
-            call face_at(d, air%grid, air%scheme, place_of(air%grid, low(1), low(2), low(3)), &
-                         low(d), air%u, wall%solid, wall%index, wall%v, flux, p_star, &
-                         wall%cut(d)%speed(e))
-            wall%cut(d)%push(e) = wall%cut(d)%side(e)*p_star*real(1/air%dx(d), rk)
-            l = lane_of(run, low)
-            f(l, :, low(d) - run%lo + 1) = flux(:air%n_var)
-            face = wall%cut(d)%face(4, e)
-            if (face > 0) wall%push(face) = push*p_star
-        end do
-    end subroutine cut_fluxes
-
-    !> Take the pressure on its walls, and the work of it, off the cell store of a solid cell.
-    subroutine load_off_stored(wall, run, nv, f)
-        type(wall_t), intent(in) :: wall
-        type(run_t), intent(in) :: run
-        integer, intent(in) :: nv !! conserved variables
-        real(rk), intent(inout) :: f(nb, nv, 0:run%n) !! rate of cell i in place i-1
-        integer :: d, e, l, i
-
-        d = run%d
-        do e = wall%cut(d)%first(run%block), wall%cut(d)%first(run%block + 1) - 1
-            if (wall%cut(d)%side(e) == 0) cycle
-            ! the cell below the face has the place of the solid if that is above
-            i = wall%cut(d)%face(d, e) - run%lo + 1
-            if (wall%cut(d)%side(e) < 0) i = i - 1
-            if (i < 0 .or. i >= run%n) cycle
-            l = lane_of(run, wall%cut(d)%face(1:3, e))
-            f(l, 2, i) = f(l, 2, i) - wall%cut(d)%push(e)
-            f(l, 5, i) = f(l, 5, i) - wall%cut(d)%push(e)*wall%cut(d)%speed(e)
-        end do
-    end subroutine load_off_stored
-
-    !> Place of a line within its block.
-    pure integer function lane_of(run, cell)
-        type(run_t), intent(in) :: run
-        integer, intent(in) :: cell(3) !! a cell on the line
-
-        lane_of = line_of(run%grid, run%d, cell) - (run%block - 1)*nb
-    end function lane_of
 end module brz_air_sweep

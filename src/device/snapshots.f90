@@ -115,7 +115,7 @@ contains
             return
         end do
         if (room == 0) return
-        call make_room(rooms(room), bytes + bytes/8) ! what deferred sources take grows
+        call make_room(rooms(room), bytes + bytes/8) ! what lists take grows
         if (rooms(room)%bytes == 0) room = 0
     end function free_room
 

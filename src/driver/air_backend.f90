@@ -22,34 +22,18 @@ module brz_air_backend
 
 contains
 
-    !> Room and impulses for a step.
-    subroutine get_ready(air, wall, err)
+    !> Room for a step.
+    subroutine get_ready(air, wall)
         type(air_t), intent(inout) :: air
-        type(wall_t), intent(inout) :: wall
-        type(error_t), intent(inout) :: err
+        type(wall_t), intent(in) :: wall
 
         if (air%on_gpu) then
-            call gpu_get_ready(air%device, err)
+            call gpu_get_ready(air%device)
             call attach(air%u_start, air%device%start)
-            if (.not. wall%present) call attach_no_walls(air, wall)
         else
             call cpu_get_ready(air, wall)
         end if
     end subroutine get_ready
-
-    !> Without walls: arrays that must not be read. See see_walls for those with walls.
-    subroutine attach_no_walls(air, wall)
-        type(air_t), intent(in) :: air
-        type(wall_t), intent(inout) :: wall
-
-        if (.not. allocated(wall%solid)) allocate (wall%solid(1, 1, 1))
-        if (.not. allocated(wall%push)) allocate (wall%push(1), wall%impulse(1))
-        associate (walls => air%device%walls)
-            call attach(wall%solid, walls%solid)
-            call attach(wall%push, walls%push)
-            call attach(wall%impulse, walls%impulse)
-        end associate
-    end subroutine attach_no_walls
 
     !> Ghosts where the box of another process begins: its cells.
     subroutine exchange_ghosts(air, err)

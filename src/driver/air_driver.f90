@@ -33,7 +33,7 @@ contains
 
     !> Advance the air by dt. The walls stand still in the step, but push with their velocity.
     !>
-    !> `wall%impulse` becomes the impulse on the walls in this step. `status` is air_ok, or
+    !> `wall%cells%impulse` becomes the impulse on them in this step. `status` is air_ok, or
     !> air_unphysical: then air%bad_cell and air%bad_state tell where, and the step is not finished.
     subroutine air_step(air, wall, dt, status, err)
         type(air_t), intent(inout) :: air
@@ -60,7 +60,7 @@ contains
         type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
 
-        call get_ready(air, wall, err)
+        call get_ready(air, wall)
         if (wall%cells%present) call ready_cut_cells(air, wall%cells, err)
         call settle_bricks(air, err)
         if (air%activity .and. .not. (air%on_gpu .and. .not. air%swept)) call wake_bricks(air, err)
@@ -86,8 +86,6 @@ contains
         if (found) call repair(air, wall, stage, status, err)
         if (status /= air_ok) return
         call add_outflow(air, stage, err)
-        if (wall%n_faces > 0) &
-            call for_each_add_push(air%on_gpu, wall%n_faces, wall%push, wall%impulse, err)
         if (wall%cells%present) call for_each_add_push(air%on_gpu, 3*wall%cells%n, &
             wall%cells%push, wall%cells%impulse, err)
     end subroutine take_rates
@@ -101,7 +99,7 @@ contains
 
         call exchange_ghosts(air, err)
         call for_each_fill_end(air%on_gpu, 2*air%grid%lines, air%grid, air%scheme, air%outside, &
-                               wall%solid, air%u, err)
+                               air%u, err)
     end subroutine fill_ghosts
 
     !> Repair the rates of a stage where the sweeps found bad cells. `status` is set if in vain.

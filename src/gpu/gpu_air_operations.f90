@@ -22,18 +22,16 @@ module brz_gpu_air_operations
 
 contains
 
-    !> Impulses for a step.
-    subroutine get_ready(gpu, err)
+    !> What the step starts from.
+    subroutine get_ready(gpu)
         type(air_device_t), intent(inout) :: gpu
-        type(error_t), intent(inout) :: err !! exit_device where the GPU fails
 
         gpu%fetched = .false.
         gpu%start = gpu%u
-        if (gpu%walls%n_faces > 0) call clear_buffer(gpu%walls%impulse, err)
     end subroutine get_ready
 
     !> Rates of all directions; the last one completes the next state and marks its bad cells. Cells
-    !> near walls are computed again, cut ones afterwards.
+    !> at walls at the ends of lines are computed again, cut ones afterwards.
     subroutine sweep_all(gpu, air, stage, err)
         type(air_device_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
@@ -96,7 +94,7 @@ contains
         call redo_cells(gpu, air, stage, 0, pass, task, err)
     end subroutine redo
 
-    !> Compute the listed cells again, those near walls, or without a list marked ones.
+    !> Compute the listed cells again, those at walls, or without a list marked ones.
     subroutine redo_cells(gpu, air, stage, listed, pass, task, err)
         type(air_device_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
@@ -107,12 +105,9 @@ contains
         integer :: threads(3)
 
         threads = [merge(listed, product(air%n), listed > 0), 1, 1]
-        associate (walls => gpu%walls)
-            call launch_redo(gpu%redo, threads, listed, gpu%near_at, pass, task, gpu%grid, &
-                             air%scheme, stage, walls%near, gpu%u, gpu%start, gpu%new, gpu%bad, &
-                             gpu%found, gpu%edge, walls%solid, walls%index, walls%v, &
-                             walls%face_of, walls%push, err)
-        end associate
+        call launch_redo(gpu%redo, threads, listed, gpu%near_at, pass, task, gpu%grid, air%scheme, &
+                         stage, gpu%walls%near, gpu%u, gpu%start, gpu%new, gpu%bad, gpu%found, &
+                         gpu%edge, err)
     end subroutine redo_cells
 
     !> Has a kernel found a bad cell since the last call, in any process? An error of one is then

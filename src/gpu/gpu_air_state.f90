@@ -37,7 +37,7 @@ contains
     subroutine open_gpu_air(device, air, walls, err)
         type(device_t), intent(in) :: device
         type(air_t), intent(inout) :: air
-        logical, intent(in) :: walls !! there will be, see see_walls
+        logical, intent(in) :: walls !! bodies will be in it
         type(error_t), intent(inout) :: err
         type(air_device_t), pointer :: gpu
         integer(int64) :: cells, field, ends
@@ -49,11 +49,11 @@ contains
         air%on_gpu = .true.
         gpu%grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
         held = walls .or. has_wall_ends(air)
-        gpu%grid%walls = merge(1, 0, held)
+        gpu%grid%walls = merge(2, merge(1, 0, held), walls)
         cells = gpu%grid%apart
         field = cells*air%n_var*bytes_of_real
         ends = int(gpu%grid%lines, int64)*air%n_var
-        call require(device, 4*field + merge(7, 1, held)*cells + 4*ends*bytes_of_real, err)
+        call require(device, 4*field + merge(3, 1, held)*cells + 4*ends*bytes_of_real, err)
         call gpu%common%open(1, 1, err)
         scheme = trim(reconstruction_names(air%scheme%reconstruction))// &
             merge('_hllc ', '_split', air%scheme%flux == hllc)
@@ -68,9 +68,8 @@ contains
         call allocate_buffer(gpu%leaving, 8_int64*size(air%leaving), err)
         call allocate_buffer(gpu%part, 8_int64*max(air%n(1)*air%n(2)*((air%n(3) - 1)/column + 1), &
                              (max_var + 1)*size(air%reached)), err)
-        call allocate_buffer(gpu%walls%solid, merge(cells, 1_int64, held), err)
+        call allocate_buffer(gpu%walls%solid, merge(cells, 1_int64, walls), err)
         call allocate_buffer(gpu%walls%near, merge(cells, 1_int64, held), err)
-        call allocate_buffer(gpu%walls%index, merge(4*cells, 1_int64, held), err)
         call open_bricks(air, gpu, err)
         call gpu%halo%open(air%part%ranks, air%part%halo, box_of(air), air%n_var, err)
         call gpu%beside%open(air%part%ranks, air%part%beside, box_of(air), 0, err)
@@ -87,7 +86,7 @@ contains
         air%grid = gpu%grid
         call attach_air(air)
         if (.not. held) return
-        call clear_buffer(gpu%walls%solid, err)
+        if (walls) call clear_buffer(gpu%walls%solid, err)
         call mark_near_walls(gpu, err)
     end subroutine open_gpu_air
 
@@ -232,31 +231,26 @@ contains
         end do
     end subroutine fetch_cells
 
-    !> Refresh the host's map of solid cells in some places, and keep the velocities of these.
+    !> Refresh the host's map of cells without gas in some places.
     subroutine fetch_walls(gpu, cell, wall, err)
         type(air_device_t), intent(inout) :: gpu
         integer, intent(in) :: cell(:, :) !! (3, n) indices, ghosts among them
         type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
-        integer(int64), allocatable :: place(:)
-        integer, allocatable :: held(:)
-        real(rk), allocatable :: row(:, :)
+        integer(int64) :: place(size(cell, 2))
+        real(rk) :: row(size(cell, 2))
         integer :: c, n
 
         n = size(cell, 2)
-        allocate (place(n), row(4, n))
         place = [(place_of(gpu%grid, cell(1, c), cell(2, c), cell(3, c)), c=1, n)]
         row = 0
         call gpu%common%ask(place, 8_int64*n, size(row)*bytes_of_real, err)
-        call face_kernels%see_wall(n, gpu%common%asked, gpu%walls%solid, gpu%walls%index, &
-                                   gpu%walls%v, reals_t(gpu%common%told), err)
+        call face_kernels%see_wall(n, gpu%common%asked, gpu%walls%solid, &
+                                   reals_t(gpu%common%told), err)
         call copy_out(gpu%common%told, row, size(row)*bytes_of_real, err)
         if (failed(err)) return
         do c = 1, n
-            wall%solid(cell(1, c), cell(2, c), cell(3, c)) = int(row(1, c), int8)
+            wall%solid(cell(1, c), cell(2, c), cell(3, c)) = int(row(c), int8)
         end do
-        held = pack([(c, c=1, n)], row(1, :) > 0)
-        wall%seen = cell(:, held)
-        wall%seen_v = row(2:4, held)
     end subroutine fetch_walls
 end module brz_gpu_air_state

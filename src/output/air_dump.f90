@@ -4,11 +4,11 @@
 !> Of several processes each writes the cells of its box beside the dump, and the dump names these
 !> parts as one.
 !>
-!> Cells that hold solid carry `solid` = 1 and the state of the undisturbed air: what the solver
-!> keeps there is a cell store, not a state. A direction that is not modelled is one cell thick (VTK
-!> cannot read cells of a flat image), the whole box: volumes and masses of cells are the real ones.
-!> The field data hold what is needed besides for the temperature and the speed of sound: the ratios
-!> of the specific heats, and the undisturbed air.
+!> Cells without gas carry `solid` = 1 and the state of the undisturbed air: what the solver keeps
+!> there is no state. A direction that is not modelled is one cell thick (VTK cannot read cells of a
+!> flat image), the whole box: volumes and masses of cells are the real ones. The field data hold
+!> what is needed besides for the temperature and the speed of sound: the ratios of the specific
+!> heats, and the undisturbed air.
 module brz_air_dump
     use brz_air_parts, only: part_name
     use brz_air_state, only: air_t, cell_gamma, wall_t

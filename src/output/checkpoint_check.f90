@@ -35,9 +35,6 @@ contains
         if (coupling%present) then
             if (allocated(coupling%wall%solid)) &
                 call demand(all(within(int(coupling%wall%solid), 1)), 'coupling/solid', name)
-            if (coupling%n_deferred > 0) call demand( &
-                all(is_cell(coupling%deferred_cell(:coupling%n_deferred), air%whole)), &
-                'coupling/debt_cell', name)
             if (coupling%wall%cells%present) call check_cut_cells(coupling%wall%cells%before, &
                                                                   air%whole + 1, name)
         end if

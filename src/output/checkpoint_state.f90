@@ -287,18 +287,11 @@ contains
         if (mapped) call carry(file, 'coupling/solid', coupling%wall%solid, err)
         call carry(file, 'coupling/dt_before', coupling%dt_before, err)
         call carry(file, 'coupling/v_before', coupling%v_before, err)
-        call carry(file, 'coupling/covered_total', coupling%diagnostics%covered, err)
-        call carry(file, 'coupling/uncovered_total', coupling%diagnostics%cleared, err)
         call carry(file, 'coupling/work', coupling%diagnostics%work, err)
         call carry(file, 'coupling/work_reference', coupling%diagnostics%work_reference, err)
         call carry(file, 'coupling/impulse', coupling%diagnostics%impulse, err)
         call carry(file, 'coupling/impulse_reference', coupling%diagnostics%impulse_reference, err)
-        call carry(file, 'coupling/images', coupling%diagnostics%images, err)
-        if (coupling%wall%cells%present) then
-            call carry_cut_cells(file, coupling%wall%cells, err)
-        else
-            call carry_deferred_sources(file, coupling, err)
-        end if
+        if (coupling%wall%cells%present) call carry_cut_cells(file, coupling%wall%cells, err)
     end subroutine carry_coupling
 
     !> What the listed cut cells hold, in the order of the list, which follows from the particles.
@@ -339,25 +332,4 @@ contains
         call move_alloc(master, cells%before%master)
     end subroutine carry_cut_cells
 
-    !> The list of deferred sources, as long as it is.
-    subroutine carry_deferred_sources(file, coupling, err)
-        type(h5_t), intent(in) :: file
-        type(coupling_t), intent(inout) :: coupling
-        type(error_t), intent(inout) :: err
-        integer(int64), allocatable :: shape_there(:)
-
-        if (.not. file%writing) then
-            call h5_shape(file, 'coupling/debt_cell', shape_there, err)
-            if (failed(err)) return
-            coupling%n_deferred = int(shape_there(1))
-            if (allocated(coupling%deferred)) deallocate (coupling%deferred, coupling%deferred_cell)
-        end if
-        if (.not. allocated(coupling%deferred)) &
-            allocate (coupling%deferred(coupling%n_var, coupling%n_deferred), &
-                      coupling%deferred_cell(coupling%n_deferred))
-        associate (n => coupling%n_deferred)
-            call carry(file, 'coupling/debt_cell', coupling%deferred_cell(:n), err)
-            call carry(file, 'coupling/debt', coupling%deferred(:, :n), err)
-        end associate
-    end subroutine carry_deferred_sources
 end module brz_checkpoint_state

@@ -22,8 +22,7 @@ module brz_together
         logical :: by_files = .false. !! copies of the processes write: they cannot send messages
         type(interacting_bodies_t), allocatable :: whole !! the bodies of all, in the first process
         integer(int64), allocatable :: in(:, :) !! particles that come: see begin_gather
-        type(coupling_t), allocatable :: all !! diagnostics and deferred sources of all, in the
-                                             !! first
+        type(coupling_t), allocatable :: all !! diagnostics and cut cells of all, in the first
                                              !! process
         type(air_diagnostics_t) :: diagnostics !! of the air of all
     end type together_t

@@ -15,7 +15,6 @@ program bench_air
     use brz_air_setup, only: make_grid
     use brz_air_driver, only: air_step
     use brz_air_sums, only: air_time_step
-    use brz_air_walls, only: build_walls, set_up_walls
     use brz_scheme, only: first_order, hllc, muscl_cells, scheme_t, steger_warming, weno3_cells, &
         weno5z_cells
     use omp_lib, only: omp_get_max_threads, omp_set_num_threads
@@ -55,9 +54,8 @@ program bench_air
         write (output_unit, '(a)') '     M cell-steps/s by the clock, per second of core time; ' &
             //'parts of this that memory, multiply-adds, divisions alone would take'
         do m = 1, size(methods)
-            call measure(methods(m), .false.)
+            call measure(methods(m))
         end do
-        call measure(methods(1), .true.)
         call measure_activity(methods(1))
         threads = 2*threads
     end do
@@ -76,21 +74,15 @@ contains
         air%u(1:hot, 1:hot, n/3:n/3 + hot - 1, 5) = 100*air%u(n, n, n, 5)
     end subroutine make_air
 
-    !> Time some steps of a blast, without and with a plate in the box.
-    subroutine measure(method, with_plate)
+    !> Time some steps of a blast.
+    subroutine measure(method)
         type(method_t), intent(in) :: method
-        logical, intent(in) :: with_plate
         type(air_t) :: air
         type(wall_t) :: wall
         real(dp) :: clock, core, bytes, part(3)
         integer :: grid_bytes
 
         call make_air(method, n/3, air)
-        if (with_plate) then
-            call set_up_walls(air, wall)
-            wall%solid(:, :, 4:9) = 1
-            call build_walls(air, wall)
-        end if
         call time_steps(air, wall, 1, clock, core)
         call time_steps(air, wall, steps, clock, core)
         ! state in and rate out three ways, 320 B in real64; 160 to combine; 40 for the time step
@@ -102,7 +94,7 @@ contains
         grid_bytes = int((storage_size(1.0_rk)/8*3*size(air%u, kind=int64) &
             + size(air%bad, kind=int64))/n**3)
         write (output_unit, '(5a, 2f8.3, a, 3f6.2, a, i0, a, i0, a, i0, 2a)') '     ', &
-            method%name, merge(' + plate', '        ', with_plate), ' ', ' ', &
+            method%name, ' ', ' ', ' ', &
             1e-6_dp*steps*real(n, dp)**3/clock, 1e-6_dp*steps*real(n, dp)**3/core, '; ', part, &
             '; ', grid_bytes, ' B stored, ', nint(bytes), ' B moved, ', &
             method%stages*(3*method%flops + update_flops), ' flops; bound by ', bound_by(part)

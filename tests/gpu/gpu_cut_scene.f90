@@ -147,7 +147,7 @@ contains
         call set_wall_velocity(air, solid, coupling, dt, err)
         call air_step(air, coupling%wall, dt, status, err)
         call spread_load(solid, coupling, dt, err)
-        call wake_loaded(solid, coupling, dt, err)
+        call wake_loaded(solid, coupling, err)
         call solid_step(solid, dt, err)
         call reclassify(air, solid, coupling, err)
     end subroutine step_one
@@ -158,7 +158,7 @@ contains
 
         call fetch_air(s%other%device, s%other, s%err)
         call fetch_solid(s%twin%device, s%twin, s%err)
-        call fetch_coupling(s%other, s%far, s%err)
+        call fetch_coupling(s%far, s%err)
         call fetch_diagnostics(s%far, s%err)
         associate (cells => s%far%wall%cells)
             call update_host(cells%cell(:cells%n), s%err)

@@ -91,7 +91,7 @@ class Scene:
                          velocity=numbers(self.motion(300.0)))  # fmt: skip
         if self.chance(0.3):
             self.add("coupling", spread=rng.choice([1, 1.5, 3]),
-                     scheme=rng.choice(["'wall_flux'", "'wall_flux'", "'paper'"]))  # fmt: skip
+                     scheme=rng.choice(["'cut_cells'", "'cut_cells'", "'paper'"]))  # fmt: skip
 
     def draw_charge(self):
         """A charge that starts in one dimension, in front of the bodies."""

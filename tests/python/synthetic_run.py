@@ -86,7 +86,6 @@ ENERGY = [
     "air_kinetic[J]",
     "air_internal[J]",
     "air_outflow[J]",
-    "air_stored[J]",
     "solid_kinetic[J]",
     "solid_internal[J]",
     "hourglass[J]",

@@ -85,7 +85,7 @@ def test_air_values_stand_in_their_cells(scene):
     np.testing.assert_allclose(grid.cell_data["velocity"][gas], place[gas], rtol=1e-6)
     np.testing.assert_allclose(grid.cell_data["overpressure"][gas], 1000.0 * i[gas], rtol=1e-6)
     np.testing.assert_allclose(grid.cell_data["pressure"][gas], P_REST + 1000.0 * i[gas], rtol=1e-6)
-    # a cell full of solid shows undisturbed air, never its cell store
+    # a cell full of solid shows undisturbed air, never what its place holds
     assert grid.cell_data["pressure"][~gas] == pytest.approx(P_REST)
     assert not grid.cell_data["velocity"][~gas].any()
 

@@ -45,13 +45,11 @@ def test_pressures_have_the_unit_of_their_range(top, unit):
 
 def test_columns_of_older_versions_have_their_present_names(tmp_path):
     path = tmp_path / "energy.csv"
-    path.write_text(
-        "time[s],air_ledger[J],air_ledger[kg],air_ledger_x[N s],held_cells[-]\n0,1,2,3,4\n"
-    )
+    path.write_text("time[s],air_mass[kg],held_cells[-]\n0,1,2\n")
     history = read_history(path)
-    names = ["time", "air_stored[J]", "air_stored[kg]", "air_stored_x", "limited_cells"]
+    names = ["time", "air_mass", "limited_cells"]
     assert history.names == names
-    assert [history[name][0] for name in names] == [0, 1, 2, 3, 4]
+    assert [history[name][0] for name in names] == [0, 1, 2]
 
 
 def write_histories(run, air):

@@ -7,9 +7,9 @@ module random_scenes
     use brz_air_state, only: air_ok, air_t, bc_outflow, bc_periodic, bc_symmetry, bc_wall
     use shared_steps, only: air_step, reclassify, set_wall_velocity, spread_load
     use brz_air_sums, only: air_time_step
+    use brz_air_totals, only: air_totals
     use brz_coupling_setup, only: couple
     use brz_coupling_state, only: coupling_t
-    use brz_coupling_totals, only: coupling_totals
     use brz_gas, only: to_conserved
     use brz_kinds, only: dp, rk
     use brz_scheme, only: first_order, hllc, muscl_cells, steger_warming, weno3_cells, weno5z_cells
@@ -44,32 +44,30 @@ module random_scenes
 contains
 
     !> Draw a scene and run it for some steps, or to its first fault.
-    subroutine run_random_scene(number, steps, cut, s)
+    subroutine run_random_scene(number, steps, s)
         integer, intent(in) :: number, steps
-        logical, intent(in) :: cut !! walls through cells, else along their faces
         type(random_scene_t), intent(out) :: s
 
-        call draw_scene(number, cut, s)
+        call draw_scene(number, s)
         do while (s%steps < steps .and. s%fault == '')
             call step_scene(s)
         end do
     end subroutine run_random_scene
 
-    subroutine draw_scene(number, cut, s)
+    subroutine draw_scene(number, s)
         integer, intent(in) :: number
-        logical, intent(in) :: cut
         type(random_scene_t), intent(inout) :: s
         type(dice_t) :: random
         real(dp) :: speed
 
         call random%seed(number)
         call draw_box(random, s)
-        if (cut) where (s%air%bc == bc_periodic .and. spread(s%air%n < 8, 1, 2)) s%air%bc = bc_wall
+        where (s%air%bc == bc_periodic .and. spread(s%air%n < 8, 1, 2)) s%air%bc = bc_wall
         call draw_gas(random, s)
         call keep_outside(s%air)
         call draw_bodies(s%air, rho0, c0, random, s%solid, s%bodies, speed)
         s%speed = max(s%speed, 2*speed)
-        call couple(s%air, s%solid, 1.5_rk, real(p0, rk), s%coupling, cut)
+        call couple(s%air, s%solid, 1.5_rk, real(p0, rk), s%coupling)
         call total(s, s%start)
         write (s%what, '(a, i0, a, 3(1x, i0), a, 6i2, a, 3(1x, i0), a, f5.2, a, 4i2)') 'scene ', &
             number, ': cells', s%air%n, ' ends', s%air%bc, ' scheme', s%air%scheme%reconstruction, &
@@ -211,16 +209,15 @@ contains
         if (.not. all(s%least > 0)) s%fault = 'gas without density or internal energy'
     end subroutine judge
 
-    !> Mass and momentum of gas, cell stores, deferred sources, what has left the box and what the
-    !> walls took.
+    !> Mass and momentum of gas, of what waits, what has left the box and what the walls took.
     subroutine total(s, sum)
         type(random_scene_t), intent(inout) :: s !! the totals use its work space
         real(dp), intent(out) :: sum(4)
-        real(dp) :: deferred(5), gas(5), stored(5)
+        real(dp) :: gas(5)
 
-        call coupling_totals(s%air, s%coupling, gas, stored, deferred)
-        sum = gas(1:4) + stored(1:4) + deferred(1:4) + s%air%outflow(1:4)
+        call air_totals(s%air, s%coupling%wall, gas)
+        sum = gas(1:4) + s%air%outflow(1:4)
         sum(2:4) = sum(2:4) + s%coupling%diagnostics%impulse + &
-                   s%coupling%diagnostics%impulse_reference + s%coupling%diagnostics%images
+                   s%coupling%diagnostics%impulse_reference
     end subroutine total
 end module random_scenes

@@ -121,13 +121,12 @@ contains
         call stop_if_failed(err)
     end subroutine spread_load
 
-    subroutine wake_loaded(solid, coupling, dt)
+    subroutine wake_loaded(solid, coupling)
         class(listed_bodies_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: coupling
-        real(dp), intent(in) :: dt !! [s]
         type(error_t) :: err
 
-        call wake_of_load(solid, coupling, dt, err)
+        call wake_of_load(solid, coupling, err)
         call stop_if_failed(err)
     end subroutine wake_loaded
 

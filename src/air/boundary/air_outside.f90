@@ -31,7 +31,7 @@ contains
                     if (s == 2) cell(d) = air%n(d)
                     associate (outside => air%outside(grid%before(d) + line, :, s))
                         outside = air%u(cell(1), cell(2), cell(3), :)
-                        if (.not. outside(1) > 0) outside = air%rest(:air%n_var) ! a solid cell
+                        if (.not. outside(1) > 0) outside = air%rest(:air%n_var) ! of a body
                     end associate
                 end do
             end do

@@ -21,12 +21,11 @@ contains
     !> then the high ones. Those where the box of another process begins are left alone.
     !@loop_body if(n > 2000) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine fill_end(t, grid, scheme, outside, solid, u)
+    pure subroutine fill_end(t, grid, scheme, outside, u)
         integer, intent(in) :: t !! ends, twice the lines
         type(grid_t), intent(in) :: grid
         type(scheme_t), intent(in) :: scheme
         real(rk), intent(in) :: outside(*) !! (lines, n_var, 2) gas beyond open boundaries
-        integer(int8), intent(in) :: solid(*) !! read where there are walls
         real(rk), intent(inout) :: u(*)
         integer(int64) :: first
         integer :: d, line, side
@@ -40,7 +39,7 @@ contains
         if (grid%bc(side, d) == bc_inside) return
         first = line_start(grid, d, line - grid%before(d))
         if (grid%bc(side, d) == bc_outflow) then
-            call open_end(d, side, grid, scheme, line, first, outside, solid, u)
+            call open_end(d, side, grid, scheme, line, first, outside, u)
         else
             call image_end(d, side, grid, first, u)
         end if
@@ -105,9 +104,9 @@ contains
         end do
     end subroutine image_end
 
-    !> Ghosts behind an open boundary. The gas outside also stands for solid cells.
+    !> Ghosts behind an open boundary.
     !@cuf attributes(host,device) &
-    pure subroutine open_end(d, side, grid, scheme, line, first, outside, solid, u)
+    pure subroutine open_end(d, side, grid, scheme, line, first, outside, u)
         integer, intent(in) :: d !! direction
         integer, intent(in) :: side !! 1: low, 2: high
         type(grid_t), intent(in) :: grid
@@ -115,18 +114,14 @@ contains
         integer, intent(in) :: line !! of those of all directions
         integer(int64), intent(in) :: first !! place of its first cell
         real(rk), intent(in) :: outside(*)
-        integer(int8), intent(in) :: solid(*)
         real(rk), intent(inout) :: u(*)
         real(rk) :: far(max_var), inside(max_var, 3), ghost(max_var, 3)
         integer(int64) :: at
         integer :: c, cells, m
-        logical :: full
 
         cells = min(3, grid%n(d))
         do m = 3, 1, -1
             at = first + merge(min(m, cells) - 1, grid%n(d) - min(m, cells), side == 1)*grid%step(d)
-            full = .false.
-            if (grid%walls == 1) full = solid(at) /= 0
             do c = 1, max_var
                 far(c) = 0
                 inside(c, m) = 0
@@ -134,14 +129,12 @@ contains
                 far(c) = outside(line + (variable_in_slot(c, d) - 1 + (side - 1)*grid%n_var) &
                     *int(grid%lines, int64))
                 inside(c, m) = u(at + (variable_in_slot(c, d) - 1)*grid%apart)
-                if (full) inside(c, m) = far(c)
             end do
         end do
         call open_ghosts(scheme, cells, inside, far, 2*side - 3, ghost)
         do m = 1, 3
             at = first + merge(-m, grid%n(d) + m - 1, side == 1)*grid%step(d)
             do c = 1, max_var
-                if (full) ghost(c, m) = far(c)
                 if (c <= grid%n_var) &
                     u(at + (variable_in_slot(c, d) - 1)*grid%apart) = ghost(c, m)
             end do

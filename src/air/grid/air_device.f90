@@ -14,15 +14,10 @@ module brz_air_device
     private
     public :: air_device_t, wall_device_t, brick_device_t
 
-    !> The cells that hold solid, as wall_t has them; without walls the buffers hold nothing.
+    !> Maps of the cells; without walls the buffers hold nothing.
     type :: wall_device_t
-        integer :: n_cells = 0, n_faces = 0
-        type(bytes_t) :: solid, near !! see air_near
-        type(integers_t) :: index !! place of each cell in the list of solid cells
-        type(reals_t) :: v !! (3, n_cells) velocity of the walls
-        type(integers_t) :: face_of !! (6, n_cells) wall face on each side
-        type(integers_t) :: face_cell !! (n_faces) place of the solid cell in the list
-        type(reals_t) :: push, impulse !! (n_faces) impulse of a stage, of the step
+        type(bytes_t) :: solid !! 1 in cells without gas, as wall_t has it
+        type(bytes_t) :: near !! see air_near
     end type wall_device_t
 
     !> Which bricks of the air something has reached, and which are computed, as air_t has them.
@@ -54,7 +49,7 @@ module brz_air_device
         logical :: offered = .false. !! they have written theirs, and all have met since
         type(gpu_common_t) :: common
         type(wall_device_t) :: walls
-        integer :: n_near = 0 !! cells near walls, and solid ones
+        integer :: n_near = 0 !! cells at walls at the ends of lines
         type(integers_t) :: near_at, near_before !! their places; how many are before each chunk
         type(brick_device_t) :: bricks
         type(running_total_t) :: left_before(6) !! what had left when the GPU took over

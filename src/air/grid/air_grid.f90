@@ -39,7 +39,7 @@ module brz_air_grid
         integer :: brick_step(3) !! distance of neighbouring bricks in the map of all
         integer :: prior(3) !! rates of the directions before: rate_none, ...
         integer :: last !! the last direction that is modelled
-        integer :: walls !! 1: some cells hold solid, 2: and walls run through cells
+        integer :: walls !! 1: at ends of lines are some that need their flux, 2: bodies are there
     end type grid_t
 
     !> Gas that nothing has reached.

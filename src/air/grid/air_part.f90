@@ -87,8 +87,8 @@ contains
     end subroutine take_part
 
     !> Layers of cells around a box that the coupling of this box depends on, and those that these
-    !> depend on in a step: what a cell hands over goes on to cell stores and deferred sources nine
-    !> cells away, and a load reaches so far into a body.
+    !> depend on in a step: shapes follow from particles some cells away, clusters reach over some
+    !> more, and a load reaches so far into a body.
     pure integer function layers_seen(spread) result(layers)
         real(dp), intent(in) :: spread !! depth of a load, in cells
 

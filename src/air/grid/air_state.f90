@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The state of the air: conserved variables on a Cartesian grid, and the walls inside it.
+!> The state of the air: conserved variables on a Cartesian grid, and the bodies in it.
 module brz_air_state
     use brz_air_device, only: air_device_t
     use brz_air_grid, only: brick, grid_t
@@ -8,12 +8,12 @@ module brz_air_state
     use brz_cut_share, only: cut_share_t
     use brz_boundary_codes, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall
     use brz_inflow_history, only: inflow_t
-    use brz_kinds, only: dp, int8, int64, rk
+    use brz_kinds, only: dp, int8, int32, int64, rk
     use brz_total_state, only: running_total_t
     use brz_scheme, only: hllc, max_var, mixture_gamma, scheme_t
     implicit none
     private
-    public :: air_t, wall_t, cut_t, sweep_work_t, charge_report_t
+    public :: air_t, wall_t, filled_t, sweep_work_t, charge_report_t
     public :: n_ghost, lines_per_block, brick
     public :: cell_centre, cell_gamma, set_scale
     public :: bc_outflow, bc_wall, bc_symmetry, bc_periodic, bc_inside
@@ -73,7 +73,7 @@ module brz_air_state
         logical :: on_gpu = .false. !! it is computed there; the arrays below are fetched
         type(air_device_t), pointer :: device => null() !! what it has there besides
         logical :: activity = .false. !! leave out what nothing has reached
-        real(rk), allocatable :: u(:, :, :, :) !! conserved variables; in solid cells the cell store
+        real(rk), allocatable :: u(:, :, :, :) !! conserved variables
         real(rk), allocatable :: u_start(:, :, :, :) !! u at the start of the step (ghosts unused)
         real(rk), allocatable :: rate(:, :, :, :)
         !! du/dt of the stage (ghosts unused: all three alike, so that one index serves)
@@ -108,49 +108,26 @@ module brz_air_state
                                    !! everywhere, so that all states and fluxes hold gas at rest
     end type air_t
 
-    !> Faces of one direction whose four cells hold both gas and solid, block of lines by block.
-    type :: cut_t
+    !> Cells that hold particles, of the coupling as printed, see brz_paper_cells.
+    type :: filled_t
         integer :: n = 0
-        integer, allocatable :: face(:, :)
-        !! (4, n) i, j, k of the cell below the face; place in the list of wall faces, or 0
-        integer, allocatable :: first(:) !! (blocks+1) first face of a block
-        integer(int8), allocatable :: has_solid(:) !! (blocks) 1: some cell of the block holds solid
-        integer, allocatable :: side(:)
-        !! (n) +1: gas below and solid above the face, -1: the reverse, 0: neither
-        real(rk), allocatable :: push(:)
-        !! (n) pressure on the wall in this stage over dx, along the side [Pa/m]
-        real(rk), allocatable :: speed(:) !! (n) normal velocity of the wall [m/s]
-    end type cut_t
+        integer(int64) :: rebuilds = -1 !! of the bodies' lists when it was made
+        integer, allocatable :: cell(:, :) !! (3, n) indices
+        integer, allocatable :: place(:) !! (cells) place in the list, 0: gas
+        logical, allocatable :: touches(:) !! (n) gas is beside it
+        real(rk), allocatable :: v(:, :) !! (3, n) mean velocity of the particles [m/s]
+        integer(int32), allocatable :: ends(:) !! (n+1) last of the cell before in `binned`
+        integer(int32), allocatable :: binned(:) !! particles, cell by cell
+    end type filled_t
 
-    !> Cells that hold solid, and the faces between them and the gas. The coupling fills `solid` and
-    !> `v`; the lists are derived by `build_walls`; the air step adds up `impulse`.
+    !> Bodies in the air.
     type :: wall_t
         logical :: present = .false.
-        logical :: stops = .true. !! the gas; false: fluxes run through it, as in the paper
-        integer(int8), allocatable :: solid(:, :, :) !! 1 in cells that hold solid, ghosts included
-        integer, allocatable :: index(:, :, :)
-        !! place of a solid cell in the list, 0 for gas; ghosts hold that of their image
-        integer :: lo(3) = 1, hi(3) = 0
-        !! first and last cells that are listed: those of the box and, on several processes, around
-        integer :: n_cells = 0
-        integer, allocatable :: cell(:, :) !! (3, n_cells) indices of the solid cells
-        real(rk), allocatable :: v(:, :) !! (3, n_cells) wall velocity of this step [m/s]
-        integer :: n_faces = 0
-        integer, allocatable :: face(:, :)
-        !! (5, n_faces): i, j, k of the gas cell, direction 1..3, side (+1: solid above, -1: below)
-        integer, allocatable :: face_cell(:) !! (n_faces) place of the solid cell in the list
-        integer, allocatable :: face_of(:, :)
-        !! (6, n_cells) wall face by side_of, or 0
-        real(rk), allocatable :: push(:) !! (n_faces) what a stage adds to `impulse`
-        real(rk), allocatable :: impulse(:)
-        !! (n_faces) integral of p* A dt over the step, along the side [N s]
-        type(cut_t) :: cut(3) !! for the sweeps, one for each direction
-        type(cut_cells_t) :: cells !! cut cells, in place of all lists above; `solid` holds the
-                                   !! cells without gas
+        integer(int8), allocatable :: solid(:, :, :)
+        !! 1 in cells without gas, or that hold particles as the paper has them
+        type(cut_cells_t) :: cells
         type(cut_share_t) :: share !! of cut cells with other processes
-        integer, allocatable :: seen(:, :)
-        !! (3, n) where the walls are on a GPU: cells near gauges that hold solid, for a row
-        real(rk), allocatable :: seen_v(:, :) !! (3, n) their velocities [m/s]
+        type(filled_t) :: filled !! in place of cut cells, as the paper has them
     end type wall_t
 
 contains

@@ -29,9 +29,9 @@ contains
         integer(int8), parameter :: none(1) = 0
 
         grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
-        if (present(wall)) grid%walls = merge(1, 0, wall%present)
+        if (present(wall)) grid%walls = merge(2, 0, wall%present)
         n = (air%n_var + 1)*product(grid%bricks)
-        if (grid%walls == 1) then
+        if (grid%walls == 2) then
             call each_total_brick(n, grid, air%u, wall%solid, air%brick_sum)
         else
             call each_total_brick(n, grid, air%u, none, air%brick_sum)
@@ -40,36 +40,21 @@ contains
         call exact_sums(air%part%ranks, air%brick_sum, sums(:air%n_var))
     end subroutine gas_sums
 
-    !> Mass, momentum and energy of the gas and of the cell stores of the solid cells, of all
-    !> processes; kinetic energy of the gas, products in gas and cell stores.
-    subroutine air_totals(air, wall, gas, stored, kinetic, products)
+    !> Mass, momentum and energy of the gas, of all processes; kinetic energy, products in it.
+    subroutine air_totals(air, wall, gas, kinetic, products)
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(wall_t), intent(in) :: wall
         real(dp), intent(out) :: gas(5) !! [kg, kg m/s, J]
-        real(dp), intent(out) :: stored(5) !! [kg, kg m/s, J]
         real(dp), intent(out), optional :: kinetic !! [J]
         real(dp), intent(out), optional :: products !! of explosives [kg]
-        real(dp) :: sums(0:6), kept(6, wall%n_cells), total(6)
+        real(dp) :: sums(0:6)
         type(error_t) :: none !! nothing fails on the host
-        integer :: c
 
         call gas_sums(air, sums, wall)
         if (wall%cells%present) call leave_out(air, wall%cells, sums, none)
-        total = 0
-        if (wall%present) then
-            kept = 0
-            do c = 1, wall%n_cells
-                associate (at => wall%cell(:, c))
-                    if (all(at >= 1 .and. at <= air%n)) &
-                        kept(:air%n_var, c) = air%u(at(1), at(2), at(3), :)
-                end associate
-            end do
-            call exact_sums(air%part%ranks, kept, total)
-        end if
         gas = sums(1:5)*product(air%dx)
-        stored = total(1:5)*product(air%dx)
         if (present(kinetic)) kinetic = sums(0)*product(air%dx)
-        if (present(products)) products = (sums(6) + total(6))*product(air%dx)
+        if (present(products)) products = sums(6)*product(air%dx)
     end subroutine air_totals
 
     !> Take out of sums over whole cells what cut cells do not hold, and add what waits in others.

@@ -144,7 +144,7 @@ contains
         integer, intent(in) :: t !! bricks, times one more than the conserved variables
         type(grid_t), intent(in) :: grid
         real(rk), intent(in) :: u(*)
-        integer(int8), intent(in) :: solid(*) !! read where there are walls
+        integer(int8), intent(in) :: solid(*) !! read where bodies are
         real(dp), intent(inout) :: part(*) !! (0:n_var, bricks) per volume, 0: kinetic energy
         real(dp) :: row(brick), total
         integer :: b, bricks, c, i, j, k, low(3)
@@ -169,14 +169,14 @@ contains
         part(c + 1 + (b - 1)*(grid%n_var + 1)) = total
     end subroutine total_brick
 
-    !> A conserved variable, or the kinetic energy, of a cell; 0 beyond the grid and in a solid one.
+    !> A conserved variable, or the kinetic energy, of a cell; 0 beyond the grid and without gas.
     !@cuf attributes(host,device) &
     pure function content(grid, i, j, k, c, u, solid) result(value)
         type(grid_t), intent(in) :: grid
         integer, intent(in) :: i, j, k !! cell
         integer, intent(in) :: c !! variable, 0: kinetic energy
         real(rk), intent(in) :: u(*)
-        integer(int8), intent(in) :: solid(*) !! read where there are walls
+        integer(int8), intent(in) :: solid(*) !! read where bodies are
         real(dp) :: value
         real(rk) :: rho
         integer(int64) :: at
@@ -184,7 +184,7 @@ contains
 
         at = place_of(grid, min(i, grid%n(1)), j, k)
         counts = i <= grid%n(1)
-        if (grid%walls > 0) counts = counts .and. solid(at) == 0
+        if (grid%walls == 2) counts = counts .and. solid(at) == 0
         if (c > 0) then
             value = u(at + (c - 1)*grid%apart)
         else

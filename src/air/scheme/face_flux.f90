@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Flux through one face of the six cells around it, with or without solid among them.
+!> Flux through one face of the six cells around it, some of which may lie beyond a wall at the end
+!> of the grid.
 !>
 !> Cells are numbered along the line: 0 is below the face, 1 above. The sweeps compute the same
 !> fluxes line by line; this is the path for single faces. Point physics.
@@ -12,10 +13,10 @@ module brz_face_flux
     use brz_reconstruction, only: face_value, thinness
     use brz_scheme, only: first_order, hllc, scheme_t, weno3_cells
     use brz_steger_warming, only: split_flux
-    use brz_wall_riemann, only: wall_flux
+    use brz_wall_riemann, only: wall_star
     implicit none
     private
-    public :: gas_face, cut_face, cut_fraction, join_split, cell_faces, speed_at_wall
+    public :: gas_face, end_face, end_fraction, join_split, cell_faces, speed_at_wall
 
 contains
 
@@ -113,34 +114,31 @@ contains
         end do
     end subroutine cell_faces
 
-    !> Flux between cells 0 and 1 where some of the cells hold solid.
+    !> Flux between cells 0 and 1 where some of the cells lie beyond a wall.
     !>
-    !> A solid cell of the stencil is replaced by the mirror image of the gas in front of it.
-    !> Between gas and solid it is the flux at the wall; between two solid cells nothing flows.
+    !> Such a cell of the stencil is replaced by the mirror image of the gas in front of it. At the
+    !> wall it is the flux there; beyond it nothing flows.
     !@cuf attributes(host,device) &
-    pure subroutine cut_face(scheme, gamma, solid, v, q, f, p_star)
+    pure subroutine end_face(scheme, gamma, beyond, q, f)
         type(scheme_t), intent(in) :: scheme
         real(rk), intent(in) :: gamma(-2:3) !! ratio of specific heats of each cell [-]
-        integer, intent(in) :: solid(-2:3) !! 1 where the cell holds solid
-        real(rk), intent(in) :: v(-2:3) !! normal velocity of the solid, read in solid cells [m/s]
+        integer, intent(in) :: beyond(-2:3) !! 1 where the cell lies beyond a wall
         real(rk), intent(in) :: q(5, -2:3) !! conserved variables, read in gas cells
         real(rk), intent(out) :: f(5) !! flux in the positive direction
-        real(rk), intent(out) :: p_star !! pressure on the wall, 0 where there is none [Pa]
         real(rk) :: s(5, -2:3), g(-2:3), far(2)
         integer :: c, m
 
-        p_star = 0
         do c = 1, 5
             f(c) = 0
         end do
-        if (solid(0) == 1 .and. solid(1) == 1) return
-        if (solid(1) == 1) then
-            call next_to_wall(solid(-1), v(-1), gamma(-1), q(1, -1), gamma(0), q(1, 0), far)
-            call slipping_wall(scheme, gamma(0), far, v(1), 1, q(1, 0), f, p_star)
+        if (beyond(0) == 1 .and. beyond(1) == 1) return
+        if (beyond(1) == 1) then
+            call next_to_wall(beyond(-1), gamma(-1), q(1, -1), gamma(0), q(1, 0), far)
+            call slipping_wall(scheme, gamma(0), far, 1, q(1, 0), f)
             return
-        else if (solid(0) == 1) then
-            call next_to_wall(solid(2), v(2), gamma(2), q(1, 2), gamma(1), q(1, 1), far)
-            call slipping_wall(scheme, gamma(1), far, v(0), -1, q(1, 1), f, p_star)
+        else if (beyond(0) == 1) then
+            call next_to_wall(beyond(2), gamma(2), q(1, 2), gamma(1), q(1, 1), far)
+            call slipping_wall(scheme, gamma(1), far, -1, q(1, 1), f)
             return
         end if
         do m = -2, 3
@@ -149,27 +147,27 @@ contains
                 s(c, m) = q(c, m)
             end do
         end do
-        call mirror_if_solid(solid(-1), v(-1), q(1, 0), gamma(0), s(1, -1), g(-1))
-        call mirror_if_solid(solid(2), v(2), q(1, 1), gamma(1), s(1, 2), g(2))
-        if (solid(-1) == 1) then
-            call mirror_if_solid(1, v(-1), q(1, 1), gamma(1), s(1, -2), g(-2))
+        call mirror_beyond(beyond(-1), q(1, 0), gamma(0), s(1, -1), g(-1))
+        call mirror_beyond(beyond(2), q(1, 1), gamma(1), s(1, 2), g(2))
+        if (beyond(-1) == 1) then
+            call mirror_beyond(1, q(1, 1), gamma(1), s(1, -2), g(-2))
         else
-            call mirror_if_solid(solid(-2), v(-2), q(1, -1), gamma(-1), s(1, -2), g(-2))
+            call mirror_beyond(beyond(-2), q(1, -1), gamma(-1), s(1, -2), g(-2))
         end if
-        if (solid(2) == 1) then
-            call mirror_if_solid(1, v(2), q(1, 0), gamma(0), s(1, 3), g(3))
+        if (beyond(2) == 1) then
+            call mirror_beyond(1, q(1, 0), gamma(0), s(1, 3), g(3))
         else
-            call mirror_if_solid(solid(3), v(3), q(1, 2), gamma(2), s(1, 3), g(3))
+            call mirror_beyond(beyond(3), q(1, 2), gamma(2), s(1, 3), g(3))
         end if
         call gas_face(scheme, g, s, f)
-    end subroutine cut_face
+    end subroutine end_face
 
-    !> Mass fraction of the products that the mass flux through a face carries, where some
-    !> of the cells hold solid.
+    !> Mass fraction of the products that the mass flux through a face carries, where some of the
+    !> cells lie beyond a wall.
     !@cuf attributes(host,device) &
-    pure function cut_fraction(scheme, solid, mass_flux, y) result(share)
+    pure function end_fraction(scheme, beyond, mass_flux, y) result(share)
         type(scheme_t), intent(in) :: scheme
-        integer, intent(in) :: solid(-2:3) !! 1 where the cell holds solid
+        integer, intent(in) :: beyond(-2:3) !! 1 where the cell lies beyond a wall
         real(rk), intent(in) :: mass_flux !! [kg/(m2 s)]
         real(rk), intent(in) :: y(-2:3) !! mass fractions of the gas cells
         real(rk) :: share, z(-1:2)
@@ -178,41 +176,39 @@ contains
         do m = -1, 2
             z(m) = y(m)
         end do
-        if (solid(0) == 1) z(0) = y(1)
-        if (solid(1) == 1) z(1) = y(0)
-        if (solid(-1) == 1 .or. scheme%reconstruction == first_order) z(-1) = z(0)
-        if (solid(2) == 1 .or. scheme%reconstruction == first_order) z(2) = z(1)
+        if (beyond(0) == 1) z(0) = y(1)
+        if (beyond(1) == 1) z(1) = y(0)
+        if (beyond(-1) == 1 .or. scheme%reconstruction == first_order) z(-1) = z(0)
+        if (beyond(2) == 1 .or. scheme%reconstruction == first_order) z(2) = z(1)
         share = face_fraction(mass_flux, z(-1), z(0), z(1), z(2))
-    end function cut_fraction
+    end function end_fraction
 
-    !> Put the mirror image of a cell in the place of one that holds solid.
+    !> Put the mirror image of a cell in the place of one beyond the wall.
     !@cuf attributes(host,device) &
-    pure subroutine mirror_if_solid(solid, v, q, gamma, image, gamma_image)
-        integer, intent(in) :: solid !! 1 where the cell holds solid
-        real(rk), intent(in) :: v !! normal velocity of the solid [m/s]
+    pure subroutine mirror_beyond(beyond, q, gamma, image, gamma_image)
+        integer, intent(in) :: beyond !! 1 where the cell lies beyond a wall
         real(rk), intent(in) :: q(5), gamma !! gas in front of it
         real(rk), intent(inout) :: image(5), gamma_image !! its place
 
-        if (solid /= 1) return
-        call mirror(q, v, image)
+        if (beyond /= 1) return
+        call mirror(q, 0.0_rk, image)
         gamma_image = gamma
-    end subroutine mirror_if_solid
+    end subroutine mirror_beyond
 
-    !> Normal velocity and pressure one cell further from the wall; mirrored if that cell holds
-    !> solid too.
+    !> Normal velocity and pressure one cell further from the wall; mirrored if that cell lies
+    !> beyond a wall too.
     !@cuf attributes(host,device) &
-    pure subroutine next_to_wall(solid, v, gamma, q, gamma_near, near, far)
-        integer, intent(in) :: solid !! 1 where the cell holds solid
-        real(rk), intent(in) :: v !! its normal velocity, then [m/s]
+    pure subroutine next_to_wall(beyond, gamma, q, gamma_near, near, far)
+        integer, intent(in) :: beyond !! 1 where the cell lies beyond a wall
         real(rk), intent(in) :: gamma !! its ratio of specific heats otherwise [-]
         real(rk), intent(in) :: q(5) !! conserved variables, read if the cell holds gas
         real(rk), intent(in) :: gamma_near, near(5) !! the same of the cell at the wall
         real(rk), intent(out) :: far(2)
         real(rk) :: w(5)
 
-        if (solid == 1) then
+        if (beyond == 1) then
             call to_primitive(gamma_near, near, w)
-            w(2) = 2*v - w(2)
+            w(2) = -w(2)
         else
             call to_primitive(gamma, q, w)
         end if
@@ -240,21 +236,19 @@ contains
         speed = u + 0.5_rk*share*limited_slope(u - far(1), 2*(v - u))
     end function speed_at_wall
 
-    !> Flux at a wall.
+    !> Flux at a wall that stands.
     !@cuf attributes(host,device) &
-    pure subroutine slipping_wall(scheme, gamma, far, v, side, near, f, p_star)
+    pure subroutine slipping_wall(scheme, gamma, far, side, near, f)
         type(scheme_t), intent(in) :: scheme
         real(rk), intent(in) :: gamma !! ratio of specific heats [-]
         real(rk), intent(in) :: far(2) !! one cell further: normal velocity [m/s], pressure [Pa]
-        real(rk), intent(in) :: v !! normal velocity of the wall [m/s]
         integer, intent(in) :: side !! +1: the wall is above the gas, -1: below
         real(rk), intent(in) :: near(5) !! conserved variables of the cell at the wall
-        real(rk), intent(out) :: f(5) !! flux in the positive direction
-        real(rk), intent(out) :: p_star !! pressure on the wall [Pa]
-        real(rk) :: w(5)
+        real(rk), intent(inout) :: f(5) !! flux in the positive direction, 0
+        real(rk) :: rho_star, w(5)
 
         call to_primitive(gamma, near, w)
-        w(2) = speed_at_wall(scheme, far, v, w(5), w(2))
-        call wall_flux(gamma, w, v, side, f, p_star)
+        w(2) = speed_at_wall(scheme, far, 0.0_rk, w(5), w(2))
+        call wall_star(gamma, w(1), w(5), side*w(2), f(2), rho_star)
     end subroutine slipping_wall
 end module brz_face_flux

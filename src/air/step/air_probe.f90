@@ -2,6 +2,7 @@
 !> The gas at a point, for gauges.
 module brz_air_probe
     use brz_kinds, only: dp, rk
+    use brz_air_grid, only: number_of
     use brz_air_state, only: air_t, bc_symmetry, bc_wall, cell_gamma, wall_t
     use brz_face_flux, only: speed_at_wall
     use brz_gas, only: to_primitive
@@ -204,7 +205,7 @@ contains
 
         gas = primitive_of(air, air%u(cell(1), cell(2), cell(3), :))
         state = gas
-        if (.not. (wall%present .and. wall%stops)) return
+        if (.not. wall%present) return
         do d = 1, 3
             if (air%n(d) == 1) cycle
             met = gas([1, 1 + d, 5])
@@ -233,11 +234,11 @@ contains
             next = cell
             next(d) = cell(d) + s
             if (.not. holds_solid(wall, next)) cycle
-            v = normal_velocity(wall, next, d)
+            v = normal_velocity(air, wall, next, d)
             next(d) = cell(d) - s
             far = gas
             if (holds_solid(wall, next)) then
-                far(1 + d) = 2*normal_velocity(wall, next, d) - gas(1 + d)
+                far(1 + d) = 2*normal_velocity(air, wall, next, d) - gas(1 + d)
             else if (next(d) > -air%before(d) .and. next(d) <= air%whole(d) - air%before(d)) then
                 far = primitive_of(air, air%u(next(1), next(2), next(3), :))
             else if (air%outer(merge(1, 2, s > 0), d) == bc_symmetry) then
@@ -253,23 +254,18 @@ contains
         if (n > 0) met = at_walls/n
     end subroutine meet_solid
 
-    !> Velocity of the solid in a cell along direction d [m/s].
-    pure real(rk) function normal_velocity(wall, cell, d) result(v)
+    !> Velocity of the solid in a cell along direction d: none in a cell without gas, as the walls
+    !> of bodies that move run through cells that hold some [m/s].
+    pure real(rk) function normal_velocity(air, wall, cell, d) result(v)
+        type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: cell(3), d
         integer :: c
 
         v = 0
-        if (allocated(wall%seen)) then
-            do c = 1, size(wall%seen, 2)
-                if (any(wall%seen(:, c) /= cell)) cycle
-                v = wall%seen_v(d, c)
-                return
-            end do
-        else
-            c = wall%index(cell(1), cell(2), cell(3))
-            if (c > 0) v = wall%v(d, c)
-        end if
+        if (wall%filled%n == 0 .or. any(cell < 1 .or. cell > air%n)) return
+        c = wall%filled%place(number_of(air%n, cell))
+        if (c > 0) v = wall%filled%v(d, c)
     end function normal_velocity
 
     !> Primitive state of a cell.

@@ -14,7 +14,7 @@ module brz_cut_loop_bodies
     use brz_air_grid, only: brick_of, cell_at, is_between, stage_t, variable_in_slot
     use brz_boundary_codes, only: bc_outflow
     use brz_cut_cells, only: bare, node_grid_t, see_image
-    use brz_face_flux, only: cut_face, cut_fraction
+    use brz_face_flux, only: end_face, end_fraction
     use brz_fallback_loop_bodies, only: is_touched, mark_cell, neighbour, put_edge, to_lose, to_redo
     use brz_gas, only: to_primitive
     use brz_kinds, only: int32, int64, int8, rk
@@ -134,7 +134,7 @@ contains
         real(rk), intent(in) :: u(*)
         real(rk), intent(out) :: f(max_var)
         type(scheme_t) :: this
-        real(rk) :: q(5, -2:3), gamma(-2:3), speed(-2:3), y(-2:3), p_star
+        real(rk) :: q(5, -2:3), gamma(-2:3), y(-2:3)
         real(rk) :: apart(-2:2) ! open share of the face above each cell of the stencil
         integer(int64) :: below, from
         integer :: c, held(-2:3), low, m, mark(2)
@@ -159,7 +159,6 @@ contains
                 q(c, m) = u(from + (variable_in_slot(c, d) - 1)*nodes%grid%apart)
             end do
             y(m) = 0
-            speed(m) = 0
             gamma(m) = scheme%gamma
             held(m) = 0
             if (beyond_wall(scheme, nodes%grid%bc(1, d), nodes%grid%bc(2, d), nodes%grid%n(d), &
@@ -168,9 +167,9 @@ contains
             y(m) = u(from + 5*nodes%grid%apart)/q(1, m)
             gamma(m) = mixture_gamma(scheme, y(m))
         end do
-        call cut_face(this, gamma, held, speed, q, f, p_star)
+        call end_face(this, gamma, held, q, f)
         f(6) = 0
-        if (nodes%grid%n_var == 6) f(6) = f(1)*cut_fraction(this, held, f(1), y)
+        if (nodes%grid%n_var == 6) f(6) = f(1)*end_fraction(this, held, f(1), y)
     end subroutine flux_at
 
     !> Open shares of the five faces of the stencil of a face of a listed cell.

@@ -4,12 +4,12 @@
 !> first-order flux. Point physics.
 !>
 !> A cell that this does not save is held: nothing passes its faces, and it keeps its state. That
-!> may leave a neighbour too little, which is then held too; a wall beside a held cell feels no push
-!> from it. What is no number is a fault and not held. A cell carries the numbers of the passes that
-!> found it bad and held it, so that the marks made in a pass do not change the faces of that pass,
-!> whatever the order of the cells. Both cells of a face see the same marks: nothing is lost.
+!> may leave a neighbour too little, which is then held too. What is no number is a fault and not
+!> held. A cell carries the numbers of the passes that found it bad and held it, so that the marks
+!> made in a pass do not change the faces of that pass, whatever the order of the cells. Both cells
+!> of a face see the same marks: nothing is lost.
 module brz_fallback_loop_bodies
-    use brz_air_grid, only: grid_t, place_of, stage_t, variable_in_slot
+    use brz_air_grid, only: grid_t, place_of, variable_in_slot
     use brz_boundary_codes, only: bc_inside
     use brz_face_loop_bodies, only: face_at
     use brz_kinds, only: int64, int8, rk
@@ -81,22 +81,15 @@ contains
 
     !> Rates of a cell from all its faces.
     !@cuf attributes(host,device) &
-    pure subroutine redo_rates(pass, grid, scheme, stage, i, j, k, u, rate, bad, edge, solid, &
-        cell_of, wall_v, face_of, push)
+    pure subroutine redo_rates(pass, grid, scheme, i, j, k, u, rate, bad, edge)
         integer, intent(in) :: pass !! marks up to this one count
         type(grid_t), intent(in) :: grid
         type(scheme_t), intent(in) :: scheme
-        type(stage_t), intent(in) :: stage
         integer, intent(in) :: i, j, k !! cell
         real(rk), intent(in) :: u(*)
         real(rk), intent(inout) :: rate(*) !! where u has the cell
         integer(int8), intent(in) :: bad(*)
         real(rk), intent(inout) :: edge(*) !! (lines, n_var, 2) fluxes through the outer faces
-        integer(int8), intent(in) :: solid(*) !! 1 in cells that hold solid
-        integer, intent(in) :: cell_of(*) !! place of each cell in the list of solid cells
-        real(rk), intent(in) :: wall_v(*) !! (3, solid cells) velocity [m/s]
-        integer, intent(in) :: face_of(*) !! (6, solid cells) wall face on each side
-        real(rk), intent(inout) :: push(*) !! (wall faces) impulse of the stage [N s]
         integer :: c, d
 
         do c = 1, max_var
@@ -104,31 +97,24 @@ contains
         end do
         !dir$ nounroll
         do d = 1, 3
-            if (grid%n(d) > 1) call add_faces(d, pass, grid, scheme, stage, i, j, k, u, rate, &
-                bad, edge, solid, cell_of, wall_v, face_of, push)
+            if (grid%n(d) > 1) call add_faces(d, pass, grid, scheme, i, j, k, u, rate, bad, edge)
         end do
     end subroutine redo_rates
 
     !> Add the rates by the two faces of direction d.
-    !>
-    !> The pressure on its walls, and the work of it, do not go into the cell store of a solid cell.
     !@cuf attributes(host,device) &
-    pure subroutine add_faces(d, pass, grid, scheme, stage, i, j, k, u, rate, bad, edge, solid, &
-        cell_of, wall_v, face_of, push)
+    pure subroutine add_faces(d, pass, grid, scheme, i, j, k, u, rate, bad, edge)
         integer, intent(in) :: d, pass
         type(grid_t), intent(in) :: grid
         type(scheme_t), intent(in) :: scheme
-        type(stage_t), intent(in) :: stage
         integer, intent(in) :: i, j, k !! cell
         real(rk), intent(in) :: u(*)
-        real(rk), intent(inout) :: rate(*), edge(*), push(*)
-        integer(int8), intent(in) :: bad(*), solid(*)
-        integer, intent(in) :: cell_of(*), face_of(*)
-        real(rk), intent(in) :: wall_v(*)
+        real(rk), intent(inout) :: rate(*), edge(*)
+        integer(int8), intent(in) :: bad(*)
         type(scheme_t) :: this
-        real(rk) :: below(max_var), f(max_var), p_star, speed
+        real(rk) :: below(max_var), f(max_var)
         integer(int64) :: at, p
-        integer :: c, index, face, line, mark(2), s
+        integer :: c, index, line, mark(2), s
 
         at = place_of(grid, i, j, k)
         index = merge(i, merge(j, k, d == 2), d == 1)
@@ -142,22 +128,11 @@ contains
             if (is_lowered(pass, mark(1)) .or. is_lowered(pass, mark(2))) &
                 this%reconstruction = first_order
             call face_at(d, grid, this, at + merge(-grid%step(d), 0, s == -1), &
-                index + merge(-1, 0, s == -1), u, solid, cell_of, wall_v, f, p_star, speed)
+                index + merge(-1, 0, s == -1), u, f)
             if (is_fixed(pass, mark(1)) .or. is_fixed(pass, mark(2))) then
-                p_star = 0
                 do c = 1, max_var
                     f(c) = 0
                 end do
-            end if
-            if (grid%walls == 1) then
-                p = at + s*grid%step(d)
-                if (solid(at) /= 0) then
-                    f(2) = f(2) - p_star
-                    f(5) = f(5) - p_star*speed
-                else if (solid(p) /= 0) then
-                    face = face_of(6*(cell_of(p) - 1) + 2*d - (1 + s)/2)
-                    if (face > 0) push(face) = stage%push(d)*p_star
-                end if
             end if
             call put_edge(d, grid, line, index + merge(-1, 0, s == -1), f, edge)
             do c = 1, max_var

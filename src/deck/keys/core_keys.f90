@@ -235,10 +235,9 @@ contains
             basic='region leave', &
             expert='skin jitter seed')
         call add_group(keys, 'coupling', 'How air and bodies meet.', [ &
-            words('scheme', 'wall_flux: fluxes at walls, nothing is lost. paper: as the paper '// &
-                'prints it, solid cells filled with gas, to compare; it loses mass. '// &
-                'cut_cells: walls where they are, through cells.', &
-                default='cut_cells', choices='wall_flux|paper|cut_cells'), &
+            words('scheme', 'cut_cells: walls where they are, through cells; nothing is lost. '// &
+                'paper: as the paper prints it, solid cells filled with gas, to compare; it '// &
+                'loses mass.', default='cut_cells', choices='cut_cells|paper'), &
             number('spread', '-', 'Depth over which a surface load is spread into a body, in '// &
                 'air cells.', default='1.5', above=zero, upper=10*one), &
             number('reference_pressure', 'Pa', 'Pressure taken off every load; that of the '// &

@@ -18,7 +18,7 @@ module brz_backend_fetch
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: fetch_sums, fetch_order, fetch_deferred_sources, fetch_state, take_snapshot
+    public :: fetch_sums, fetch_order, fetch_exchange, fetch_state, take_snapshot
     public :: fetch_followed, fetch_around
 
 contains
@@ -48,15 +48,14 @@ contains
         call fetch_gpu_points(solid%device, .false., solid%cohesive, err)
     end subroutine fetch_order
 
-    !> The same for a checkpoint: deferred sources and diagnostics of the coupling.
-    subroutine fetch_deferred_sources(air, coupling, err)
-        type(air_t), intent(in) :: air
+    !> The same for a checkpoint: cut cells and diagnostics of the coupling.
+    subroutine fetch_exchange(coupling, err)
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
 
         if (failed(err) .or. .not. coupling%on_gpu) return
-        call fetch_coupling(air, coupling, err)
-    end subroutine fetch_deferred_sources
+        call fetch_coupling(coupling, err)
+    end subroutine fetch_exchange
 
     !> Bring the state to the host, for a dump or a checkpoint, with fetch_sums before. It is read
     !> alone, so that a snapshot can take the place of the GPU.
@@ -70,7 +69,7 @@ contains
         if (failed(err)) return
         if (backend%on_gpu) call fetch_air(air%device, air, err)
         if (backend%bodies_on_gpu) call fetch_solid(solid%device, solid, err)
-        if (coupling%on_gpu) call fetch_coupling(air, coupling, err)
+        if (coupling%on_gpu) call fetch_coupling(coupling, err)
     end subroutine fetch_state
 
     !> Put by what fetch_state reads; whether that was done tells snapshot%room.

@@ -199,8 +199,11 @@ contains
         bytes = storage_size(sim%air%u)/8.0_dp* &
                 (size(sim%air%u) + size(sim%air%u_start) + size(sim%air%rate))
         if (.not. sim%coupling%present) return
-        bytes = bytes + size(sim%coupling%wall%solid) + 4.0_dp*size(sim%coupling%wall%index) + &
-                size(sim%coupling%mark) + 4.0_dp*size(sim%coupling%slot)
+        bytes = bytes + size(sim%coupling%wall%solid)
+        if (sim%coupling%paper) return
+        associate (cells => sim%coupling%wall%cells)
+            bytes = bytes + 4.0_dp*size(cells%slot) + size(cells%mark) + size(cells%next_mark)
+        end associate
     end function air_bytes
 
     !> Cells, bytes, and the charges as they lie on the grid.

@@ -1,9 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> What `--check` says of a body as a wall to the air: cells across, and the error to expect.
 !>
-!> Measured with the impulse of a shock of Mach 2 on a held sphere until it has passed: by walls
-!> along faces of cells 222, 73, 37, 18, 9 % too large with 3.3, 6.7, 13.3, 26.7, 53.3 cells across;
-!> by cut cells 22, 11 and 3 % with 3.3, 6.7 and 13.3. Faces along the grid are within 1 %.
+!> Measured with the impulse of a shock of Mach 2 on a held sphere until it has passed: 22, 11 and
+!> 3 % too large with 3.3, 6.7 and 13.3 cells across. Faces along the grid are within 1 %.
 module brz_print_walls
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_body_geometries, only: body_box
@@ -14,8 +13,7 @@ module brz_print_walls
     private
     public :: print_wall
 
-    real(dp), parameter :: of_faces = 490, of_cuts = 73 !! error in %, times cells across
-    real(dp), parameter :: few = 2.6_dp !! cells across, by which it grows faster
+    real(dp), parameter :: of_cuts = 73 !! error in %, times cells across
 
 contains
 
@@ -42,13 +40,8 @@ contains
                'its smallest side: '
         if (case%bodies(b)%shape == 'box') then
             text = text//'the impulse of a blast on its faces is within 1 %'
-        else if (case%coupling%scheme == 'cut_cells') then
-            text = text//'the impulse of a blast is within '//percent(of_cuts/cells)
         else
-            text = text//'the impulse of a blast is some '// &
-                   percent(of_faces/cells*(1 + (few/cells)**3))//' too large'
-            if (cells > 1) text = text//" (coupling.scheme='cut_cells': within "// &
-                                  percent(of_cuts/cells)//')'
+            text = text//'the impulse of a blast is within '//percent(of_cuts/cells)
         end if
         write (output_unit, '(a)') text
     end subroutine print_wall

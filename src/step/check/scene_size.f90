@@ -71,8 +71,8 @@ contains
             all_cells = product(real(air%cells + merge(2*n_ghost, 0, air%cells > 1), dp))
             n_var = merge(6, 5, any([(has_own_gas(case, m), m=1, size(case%charges))]))
             size_of%air_bytes = all_cells*(3*n_var*working + 1)
-            if (case%coupling%present) size_of%air_bytes = size_of%air_bytes + all_cells*(1 + 4) &
-                                                           + size_of%cells*(1 + 4)
+            if (case%coupling%present) size_of%air_bytes = size_of%air_bytes + all_cells &
+                                                           + size_of%cells*(4 + 2)
             fastest = speed([0.0_dp, 0.0_dp, 0.0_dp], air%gamma*air%pressure/air%density)
             do m = 1, size(case%gas)
                 if (case%gas(m)%file /= '') cycle
@@ -121,7 +121,7 @@ contains
             ', the most that can be counted; use larger spacings')
         size_of%solid_bytes = size_of%particles*(of_particle(case, size_of%solid) + list_bytes)
         if (case%coupling%present) size_of%solid_bytes = size_of%solid_bytes &
-                                                         + size_of%particles*(3*working + 3*4)
+                                                         + size_of%particles*(4*working + 3*4)
         associate (bodies => size_of%solid%bodies, materials => size_of%solid%materials)
             do b = 1, size(bodies)
                 if (bodies(b)%formulation == form_rigid) cycle

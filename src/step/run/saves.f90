@@ -2,7 +2,7 @@
 !> Dumps and checkpoints: written by this process, or where a GPU computes by copies of it beside
 !> the run, and named in the order in which they began.
 module brz_saves
-    use brz_backend_fetch, only: fetch_deferred_sources, fetch_order, fetch_state, fetch_sums, &
+    use brz_backend_fetch, only: fetch_exchange, fetch_order, fetch_state, fetch_sums, &
         take_snapshot
     use brz_checkpoint, only: name_checkpoint, remove_checkpoint, write_checkpoint
     use brz_dumps, only: bodies_path, dumps_t, name_dump, write_dump_files
@@ -138,7 +138,7 @@ contains
             call fetch_order(sim%backend, sim%solid, err)
             call begin_bodies(saves%together, sim%solid)
             if (writer%dump == no_dump) then
-                call fetch_deferred_sources(sim%air, sim%coupling, err)
+                call fetch_exchange(sim%coupling, err)
                 call begin_state(saves%together, sim%air, sim%coupling)
             end if
             saves%together%by_files = writer%apart

@@ -5,15 +5,14 @@
 !> All values are of what is modelled (a half or a quarter where symmetry planes cut the scene).
 module brz_conservation_audit
     use brz_air_state, only: air_t
-    use brz_air_totals, only: counts_of_all, leave_out, outflow_of_all
+    use brz_air_totals, only: air_totals, counts_of_all, leave_out, outflow_of_all
     use brz_backend, only: backend_t
     use brz_cohesive_setup, only: interface_name
     use brz_cohesive_part, only: share_points
     use brz_cohesive_state, only: cohesive_t
     use brz_coupling_copy, only: fetch_diagnostics
     use brz_coupling_state, only: coupling_diagnostics_t, coupling_t
-    use brz_coupling_totals, only: coupling_totals, diagnostics_of_all
-    use brz_deferred_source_driver, only: stored_totals
+    use brz_coupling_totals, only: diagnostics_of_all
     use brz_errors, only: error_t, failed
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
     use brz_gpu_cohesive_part, only: fetch_gpu_points
@@ -32,12 +31,12 @@ module brz_conservation_audit
     public :: body_names, body_row, judge
     public :: cohesive_totals, solid_totals_t, sums_of_bodies, totals_of_sums
 
-    integer, parameter :: n_energy = 56, n_body = 14, n_interface = 3
+    integer, parameter :: n_energy = 51, n_body = 14, n_interface = 3
 
     !> Columns of energy.csv.
     character(20), parameter :: energy_columns(n_energy) = [character(20) :: &
                                 'time[s]', 'air_kinetic[J]', 'air_internal[J]', 'air_outflow[J]', &
-                                'air_stored[J]', 'solid_kinetic[J]', 'solid_internal[J]', &
+                                'solid_kinetic[J]', 'solid_internal[J]', &
                                 'hourglass[J]', 'artificial[J]', 'viscous[J]', &
                                 'hourglass_heat[J]', 'plastic[J]', 'damage[J]', &
                                 'air_work[J]', 'load_work[J]', 'coupling[J]', 'total[J]', &
@@ -48,9 +47,8 @@ module brz_conservation_audit
                                 'contact[J]', 'contact_heat[J]', 'friction[J]', 'drive_work[J]', &
                                 'outside[kg]', 'removed[kg]', 'removed[J]', &
                                 'limited_cells[-]', &
-                                'air_stored[kg]', 'air_stored_x[N s]', 'air_stored_y[N s]', &
-                                'air_stored_z[N s]', 'air_momentum_x[N s]', &
-                                'air_momentum_y[N s]', 'air_momentum_z[N s]', &
+                                'air_momentum_x[N s]', 'air_momentum_y[N s]', &
+                                'air_momentum_z[N s]', &
                                 'air_outflow_x[N s]', 'air_outflow_y[N s]', &
                                 'air_outflow_z[N s]', 'momentum_scale[N s]', &
                                 'reference_work[J]', 'energy_scale[J]', 'coupling_error[-]', &
@@ -88,7 +86,6 @@ module brz_conservation_audit
         real(dp) :: time = 0 !! [s]
         real(dp) :: gas(5) = 0 !! mass, momentum x, y, z, energy of the gas
         real(dp) :: gas_kinetic = 0 !! part of the gas energy [J]
-        real(dp) :: kept(5) = 0 !! the same in cell stores and deferred sources
         real(dp) :: outflow(5) = 0 !! what left through the outer faces so far
         real(dp) :: solid_kinetic = 0, solid_internal = 0, hourglass = 0, artificial = 0 !! [J]
         !> parts of solid_internal so far [J]
@@ -105,9 +102,7 @@ module brz_conservation_audit
         real(dp) :: available = 0 !! energy of the air above that of its rest [J]
         real(dp) :: reference_work = 0 !! part of air_work that the reference pressure did [J]
         real(dp) :: total = 0 !! energy of everything [J]
-        real(dp) :: products = 0 !! mass of products of explosives in gas, cell stores and deferred
-                                 !! sources
-                                 !! [kg]
+        real(dp) :: products = 0 !! mass of products of explosives in the gas [kg]
         real(dp) :: products_out = 0 !! what of it left through the outer faces so far [kg]
         real(dp) :: fallback_faces = 0 !! faces that fell back to first order so far
         real(dp) :: limited_cells = 0 !! cells of gas that were held so far
@@ -150,8 +145,8 @@ contains
         audit%time = time
         mass = 0
         if (air%present) then
-            call gather_air(backend, air, coupling, audit%gas, audit%kept, &
-                              audit%gas_kinetic, audit%products, err)
+            call gather_air(backend, air, coupling, audit%gas, audit%gas_kinetic, audit%products, &
+                            err)
             call outflow_of_all(air, audit%outflow, audit%products_out)
             call counts_of_all(air, faces, cells)
             audit%fallback_faces = real(faces, dp)
@@ -165,8 +160,7 @@ contains
         if (allocated(solid%loads%of)) audit%reference_work = -audit%load_work ! from outside
         audit%impulse = taken%impulse
         audit%ambient = taken%impulse_reference
-        audit%outflow(2:4) = audit%outflow(2:4) + taken%images
-        all = audit%gas + audit%kept + audit%outflow
+        all = audit%gas + audit%outflow
         all(2:4) = all(2:4) + audit%impulse + audit%ambient
         audit%total = all(5) + audit%solid_kinetic + audit%solid_internal + audit%hourglass &
                        + audit%artificial + audit%contact(1) + sum(audit%bond) &
@@ -220,37 +214,32 @@ contains
         call cohesive_totals(solid%cohesive, 0, audit%bond(1), audit%bond(2), area(1), area(2))
     end subroutine gather_solid
 
-    !> Totals of the air; what left through its boundaries is brought up to date in `air`.
-    subroutine gather_air(backend, air, coupling, gas, kept, kinetic, products, err)
+    !> Totals of the air, with what waits in cut cells; what left through its boundaries is brought
+    !> up to date in `air`.
+    subroutine gather_air(backend, air, coupling, gas, kinetic, products, err)
         type(backend_t), intent(inout) :: backend
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(coupling_t), intent(inout) :: coupling !! its work and impulse are brought up to date
         real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
-        real(dp), intent(out) :: kept(5) !! the same in cell stores and deferred sources
         real(dp), intent(out) :: kinetic !! energy of the gas [J]
         real(dp), intent(out) :: products !! mass of products of explosives [kg]
         type(error_t), intent(inout) :: err
-        real(dp) :: deferred(5), lack(0:6), totals(0:6), more
+        real(dp) :: lack(0:6), totals(0:6)
 
         if (backend%on_gpu) then
             call gpu_air_totals(air%device, air, totals, err)
             call gpu_outflow(air%device, air, err)
-            kept = 0
-            more = 0
             if (coupling%wall%cells%present) then
                 lack = 0
                 call leave_out(air, coupling%wall%cells, lack, err)
                 totals = totals + lack*product(air%dx)
-            else if (coupling%on_gpu) then
-                call stored_totals(air, coupling, kept, more, err)
             end if
             if (coupling%on_gpu) call fetch_diagnostics(coupling, err)
             gas = totals(1:5)
             kinetic = totals(0)
-            products = totals(6) + more
+            products = totals(6)
         else
-            call coupling_totals(air, coupling, gas, kept, deferred, kinetic, products)
-            kept = kept + deferred
+            call air_totals(air, coupling%wall, gas, kinetic, products)
         end if
     end subroutine gather_air
 
@@ -385,7 +374,7 @@ contains
         type(balance_t), intent(in) :: audit
 
         largest_term = maxval(abs([audit%gas_kinetic, audit%gas(5) - audit%gas_kinetic, &
-            audit%kept(5), audit%outflow(5), audit%solid_kinetic, audit%solid_internal, &
+            audit%outflow(5), audit%solid_kinetic, audit%solid_internal, &
             audit%hourglass, audit%artificial, audit%contact(1), audit%bond, &
             audit%air_work, audit%load_work, audit%drive]))
     end function largest_term
@@ -447,9 +436,8 @@ contains
 
     !> True while no mass and no momentum of the air is missing, but for rounding.
     !>
-    !> Gas, cell stores, deferred sources, outflow and what the walls took must add up to what was
-    !> there at the start, whatever happens in the scene; rounding of a million steps stays far
-    !> below the bound.
+    !> Gas, outflow and what the walls took must add up to what was there at the start, whatever
+    !> happens in the scene; rounding of a million steps stays far below the bound.
     pure logical function is_balanced(audit)
         type(balance_t), intent(in) :: audit
         real(dp), parameter :: rounding = sqrt(real(epsilon(1.0_rk), dp))
@@ -464,20 +452,20 @@ contains
 
         row(1:4) = [audit%time, audit%gas_kinetic, audit%gas(5) - audit%gas_kinetic, &
                     audit%outflow(5)]
-        row(5:13) = [audit%kept(5), audit%solid_kinetic, audit%solid_internal, &
-                     audit%hourglass, audit%artificial, audit%viscous, audit%hourglass_heat, &
-                     audit%plastic, audit%damage]
-        row(14:18) = [audit%air_work, audit%load_work, lost_in_coupling(audit), &
+        row(5:12) = [audit%solid_kinetic, audit%solid_internal, audit%hourglass, &
+                     audit%artificial, audit%viscous, audit%hourglass_heat, audit%plastic, &
+                     audit%damage]
+        row(13:17) = [audit%air_work, audit%load_work, lost_in_coupling(audit), &
                       audit%total, audit%energy_error]
-        row(19:28) = [audit%gas(1) + audit%kept(1), audit%outflow(1), audit%impulse, &
+        row(18:27) = [audit%gas(1), audit%outflow(1), audit%impulse, &
                       audit%mass_error, audit%momentum_error, audit%fallback_faces, &
                       audit%products, audit%products_out]
-        row(29:36) = [audit%contact, audit%drive, audit%outside, audit%removed, &
+        row(28:35) = [audit%contact, audit%drive, audit%outside, audit%removed, &
                       audit%limited_cells]
-        row(37:50) = [audit%kept(1:4), audit%gas(2:4), audit%outflow(2:4), &
+        row(36:45) = [audit%gas(2:4), audit%outflow(2:4), &
                       audit%momentum_scale, audit%reference_work, audit%energy_scale, &
                       audit%coupling_error]
-        row(51:56) = [audit%bond, audit%ambient, audit%coupling_scale]
+        row(46:51) = [audit%bond, audit%ambient, audit%coupling_scale]
     end function audit_row
 
     !> Columns of bodies.csv.

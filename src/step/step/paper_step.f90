@@ -8,11 +8,9 @@ module brz_paper_step
     use brz_air_driver, only: begin_step, take_rates
     use brz_coupling_paper, only: add_forces, fill_solid_cells
     use brz_coupling_state, only: coupling_t
-    use brz_coupling_driver, only: move_walls
-    use brz_reclassification_driver, only: look_at_particles, put_up_walls
-    use brz_exchange_driver, only: load_carriers
     use brz_errors, only: error_t
     use brz_kinds, only: dp
+    use brz_paper_cells, only: find_filled_velocities, load_filled_carriers, move_filled_cells
     use brz_runge_kutta, only: share_of
     use brz_bodies, only: bodies_t
     implicit none
@@ -34,7 +32,7 @@ contains
         type(stage_t) :: stage
         integer :: m
 
-        call move_walls(solid, solid, coupling, err)
+        call find_filled_velocities(solid, coupling)
         call fill_solid_cells(air, coupling)
         call begin_step(air, none, err)
         solid%load(:, :solid%n) = 0
@@ -46,22 +44,17 @@ contains
             call add_forces(air, solid, coupling, share_of(m, air%n_stages), dt)
             call update(air, stage%dt, stage%weight, m == 1)
         end do
-        call load_carriers(solid, coupling, err)
+        call load_filled_carriers(solid, coupling)
     end subroutine paper_step
 
     !> The map of solid cells after the particles have moved. A cell that the solid leaves keeps the
     !> gas it was filled with.
-    subroutine move_paper_walls(air, solid, coupling, err)
-        type(air_t), intent(inout) :: air
+    subroutine move_paper_walls(air, solid, coupling)
+        type(air_t), intent(in) :: air
         class(bodies_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
-        type(error_t), intent(inout) :: err
-        integer :: moved
 
-        call look_at_particles(solid, coupling, moved, err)
-        if (moved > 0 .or. solid%rebuilds /= coupling%rebuilds) &
-            call put_up_walls(air, solid, coupling, err)
-        coupling%rebuilds = solid%rebuilds
-        call move_walls(solid, solid, coupling, err)
+        call move_filled_cells(air, solid, coupling)
+        call find_filled_velocities(solid, coupling)
     end subroutine move_paper_walls
 end module brz_paper_step

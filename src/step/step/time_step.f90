@@ -62,7 +62,7 @@ contains
         if (failed(err)) return
         if (sim%coupling%present) then
             if (sim%coupling%paper) then
-                call move_paper_walls(sim%air, sim%solid, sim%coupling, err)
+                call move_paper_walls(sim%air, sim%solid, sim%coupling)
             else
                 call enter_part('exchange')
                 call reclassify(sim%air, sim%solid, sim%coupling, err)
@@ -216,7 +216,7 @@ contains
         call spread_load(sim%solid, sim%coupling, dt, err)
         call end_part(sim, err)
         if (sim%solid%on_gpu) sim%solid%device%fetched = .false.
-        if (any(sim%solid%bodies%inactive)) call wake_loaded(sim%solid, sim%coupling, dt, err)
+        if (any(sim%solid%bodies%inactive)) call wake_loaded(sim%solid, sim%coupling, err)
         if (sim%coupling%on_gpu) call reduce_errors(sim%solid%ranks, err)
         if (particles_active(sim%solid) > 0) sim%substeps = substeps(sim, dt)
     end subroutine load_solid
