@@ -4,7 +4,7 @@
 
 usage: coupling_charts.py [--keep] paper|steps|panel|plate ...
 
-paper: the coupling as the paper prints it against the fluxes at walls; steps: steps of the solid
+paper: the coupling as the paper prints it against cut cells; steps: steps of the solid
 in one of the air; panel: a steel panel bent by a shock; plate: the demo at several resolutions.
 --keep takes runs that lie in out/coupling. Writes docs/data/coupling_NAME.csv and
 docs/figures/coupling_NAME.png. panel and plate take half an hour of a core each.
@@ -86,7 +86,7 @@ def paper() -> None:
     rows = []
     for problem, deck in (("fixed wall", "tube_wall"), ("free plate", "tube_plate")):
         for cells in (100, 200, 400, 800):
-            for scheme in ("wall_flux", "paper"):
+            for scheme in ("cut_cells", "paper"):
                 out = run(
                     f"tests/scenes/{deck}.nml",
                     f"{deck}_{scheme}_{cells}",
@@ -115,7 +115,7 @@ def paper() -> None:
     fig, axes = plt.subplots(1, 2, figsize=(11, 4.5), constrained_layout=True)
     for ax, column in zip(axes, ("impulse error", "mass error"), strict=True):
         for problem, mark in (("fixed wall", "o"), ("free plate", "s")):
-            for scheme, colour in (("wall_flux", "tab:blue"), ("paper", "tab:red")):
+            for scheme, colour in (("cut_cells", "tab:blue"), ("paper", "tab:red")):
                 line = [r for r in rows if r["problem"] == problem and r["scheme"] == scheme]
                 ax.loglog(
                     [r["cells"] for r in line],

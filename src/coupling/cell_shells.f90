@@ -6,11 +6,10 @@ module brz_cell_shells
     use brz_kinds, only: int32
     implicit none
     private
-    public :: shells_t, make_shells, neighbour, cell_at, number_of, index_along, next_along
-    public :: neighbour_or_image, reach, touching
+    public :: shells_t, make_shells, cell_at, number_of, index_along, next_along
+    public :: neighbour_or_image
 
     integer, parameter :: reach = 3 !! farthest neighbour, in cells
-    integer, parameter :: touching = 3 !! shells whose cells share a side, an edge or a corner
     integer, parameter :: max_shells = 8, max_offsets = 122
 
     !> Shell s holds offsets first(s)..first(s+1)-1, all of the same distance. It is symmetric: with
@@ -47,30 +46,8 @@ contains
         end do
     end subroutine make_shells
 
-    !> Cell reached from `from` by `offset`; `inside` is false beyond the box.
-    !@cuf attributes(host,device) &
-    pure subroutine neighbour(n, wraps, from, offset, to, inside)
-        integer, intent(in) :: n(3) !! cells of the grid
-        logical, intent(in) :: wraps(3) !! periodic directions
-        integer, intent(in) :: from(3), offset(3)
-        integer, intent(out) :: to(3)
-        logical, intent(out) :: inside
-        integer :: d
-
-        inside = .true.
-        do d = 1, 3
-            to(d) = from(d) + offset(d)
-            if (to(d) >= 1 .and. to(d) <= n(d)) cycle
-            if (wraps(d)) then
-                to(d) = modulo(to(d) - 1, n(d)) + 1
-            else
-                inside = .false.
-            end if
-        end do
-    end subroutine neighbour
-
-    !> The same, or the cell whose image is there beyond planes of symmetry. An image is farther
-    !> from a cell than what it is the image of: whoever looks for the nearest needs none.
+    !> Cell reached from `from` by `offset`, or the cell whose image is there beyond planes of
+    !> symmetry; `inside` is false beyond the box.
     !@cuf attributes(host,device) &
     pure subroutine neighbour_or_image(n, wraps, mirrors, from, offset, to, turned, inside)
         integer, intent(in) :: n(3) !! cells of the grid

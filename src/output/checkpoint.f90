@@ -42,7 +42,7 @@ module brz_checkpoint
 
     integer, parameter :: kept = 2 !! checkpoints in a folder
     character(*), parameter :: about = 'brisance'
-    character(*), parameter :: title = 'Brisance checkpoint, layout 6' !! another number with
+    character(*), parameter :: title = 'Brisance checkpoint, layout 7' !! another number with
                                                                        !! whatever it holds
 
 contains

@@ -7,7 +7,7 @@ module brz_grid_lines
     use brz_air_state, only: lines_per_block
     implicit none
     private
-    public :: across, turned, n_lines, n_blocks, line_of, block_of, first_cell_of
+    public :: across, turned, n_lines, n_blocks, first_cell_of
 
     integer, parameter :: across(2, 3) = reshape([2, 3, 1, 3, 1, 2], [2, 3])
     !! transverse directions, fastest first
@@ -32,24 +32,6 @@ contains
 
         n_blocks = (n_lines(n, d) + lines_per_block - 1)/lines_per_block
     end function n_blocks
-
-    !> Number of the line in direction d through a cell, from 1.
-    pure integer function line_of(n, d, cell)
-        integer, intent(in) :: n(3) !! cells
-        integer, intent(in) :: d !! direction
-        integer, intent(in) :: cell(3) !! i, j, k
-
-        line_of = (cell(across(2, d)) - 1)*n(across(1, d)) + cell(across(1, d))
-    end function line_of
-
-    !> Number of the block of lines in direction d through a cell, from 1.
-    pure integer function block_of(n, d, cell)
-        integer, intent(in) :: n(3) !! cells
-        integer, intent(in) :: d !! direction
-        integer, intent(in) :: cell(3) !! i, j, k
-
-        block_of = (line_of(n, d, cell) - 1)/lines_per_block + 1
-    end function block_of
 
     !> Indices of the first interior cell of a line.
     pure subroutine first_cell_of(n, d, line, cell)

@@ -20,13 +20,13 @@ contains
 
     !> Density, velocity and pressure at a point, trilinear between the gas cells around it.
     !>
-    !> Solid cells are left out and the weights of the others made to sum to one. Where all eight
-    !> are solid the gas cell nearest to the point counts, within two cells; zero if there is none.
-    !> A cell that touches solid counts with the state at its walls, so that within half a cell of
-    !> them and in the solid a gauge has the pressure that the body feels. Within half a cell of the
-    !> boundary, and beyond it, the value of the last cell continues; towards a wall it goes over to
-    !> the state at the wall, which bears what the gas that hits it brings, at a plane of symmetry
-    !> the normal velocity to nothing.
+    !> Cells without gas are left out and the weights of the others made to sum to one. Where all
+    !> eight hold none the gas cell nearest to the point counts, within two cells; zero if there is
+    !> none. A cell that touches such ones counts with the state at its walls, so that within half a
+    !> cell of them and in the solid a gauge has the pressure that the body feels. Within half a
+    !> cell of the boundary, and beyond it, the value of the last cell continues; towards a wall it
+    !> goes over to the state at the wall, which bears what the gas that hits it brings, at a plane
+    !> of symmetry the normal velocity to nothing.
     !>
     !> On several processes `around` holds the eight cells, which may be those of others. Without it
     !> this one must have the point (has_point).
