@@ -14,7 +14,6 @@ module brz_coupling_setup
     use brz_cut_share, only: plan_share
     use brz_cut_start_driver, only: begin_cut_cells, set_up_cut_cells
     use brz_errors, only: error_t, exit_deck, failed, raise
-    use brz_face_stress, only: spread_shares
     use brz_coupling_ghost_driver, only: renew_coupling_ghosts
     use brz_kinds, only: dp, int32, int8, real32, rk
     use brz_paper_cells, only: find_filled_velocities, move_filled_cells
@@ -89,7 +88,6 @@ contains
         coupling%reference_pressure = reference_pressure
         coupling%wraps = air%bc(1, :) == bc_periodic .and. air%n > 1
         call make_box(air, spread, coupling)
-        call lay_layers(coupling%box, solid)
         associate (lo => 1 - air%g, hi => air%n + air%g)
             allocate (coupling%wall%solid(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)), source=0_int8)
         end associate
@@ -146,34 +144,6 @@ contains
         coupling%box%grid%n = coupling%box%n
         coupling%box%grid%g = air%g - (air%before - coupling%box%before) ! cell 1 of the halo
     end subroutine make_box
-
-    !> The lattices of bodies under the faces of the air.
-    subroutine lay_layers(box, solid)
-        type(box_t), intent(in) :: box
-        class(bodies_t), intent(inout) :: solid
-        real(dp) :: per_cell(3)
-        integer :: b, d, k
-
-        if (.not. allocated(solid%bodies)) return
-        do b = 1, size(solid%bodies)
-            associate (body => solid%bodies(b), layers => solid%bodies(b)%layers)
-                if (.not. body%face_share > 0) cycle
-                layers%share = body%face_share
-                layers%apart = real(body%spacing/body%stretch, rk)
-                per_cell = 1
-                where (box%whole > 1) per_cell = box%dx/layers%apart
-                layers%across = real(product(per_cell)/per_cell, rk)
-                do d = 1, 3
-                    if (box%whole(d) == 1) cycle
-                    layers%range(d) = real(box%spread*per_cell(d), rk)
-                    layers%whole(d) = real(sum([(max(1 - k/layers%range(d), 0.0_rk), &
-                                                 k=0, int(layers%range(d)))]), rk)
-                    layers%more(:, d) = spread_shares(solid%dimension, &
-                        real(body%h/body%spacing, dp), real(layers%range(d), dp))
-                end do
-            end associate
-        end do
-    end subroutine lay_layers
 
     !> Walls as the particles say and, from a checkpoint, their gas as it has that.
     subroutine restart_coupling(air, solid, coupling)

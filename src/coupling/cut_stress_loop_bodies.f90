@@ -201,7 +201,7 @@ contains
             if (.not. whole > 0) cycle
             load(1) = from_low(d, s)
             load(2) = real(force(d, s), rk) - from_low(d, s)
-            ! mass of the node above the particle: the mean of both sides of the particle's layer, as
+            ! mass of the node above the particle: the mean of both sides of its layer, as
             ! a body has it that goes on between the nodes; not more than there is
             if (k == 1) then
                 between = min(above(d, s), whole/fill(s)*0.5_rk*((1 - at)**2 + half**2))

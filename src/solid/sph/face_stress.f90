@@ -10,14 +10,11 @@
 !>
 !> Source: docs/theory/solids.md, loaded faces
 module brz_face_stress
-    use brz_face_layers, only: layers_t
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, rk
     implicit none
     private
-    public :: add_face_stress, face_share, face_work, load_below, spread_shares
-
-    integer, parameter :: most_layers = 64 !! in the reach of a load; beyond, none is missed
+    public :: add_face_stress, face_share, face_work
 
 contains
 
@@ -105,66 +102,4 @@ contains
             end do
         end do
     end function layer_gradient
-
-    !> How much more of a load than load_below says without acts below the first three layers, where
-    !> weights fall linearly over depth; in the weight of the first.
-    !>
-    !> The stress tau that uniform stress needs besides the loads f solves D^T tau = D^T 1 - f, with
-    !> D the gradient across the layers: the shortest one, by conjugate gradients.
-    pure function spread_shares(dimension, h, range) result(more)
-        integer, intent(in) :: dimension
-        real(dp), intent(in) :: h !! smoothing length over spacing
-        real(dp), intent(in) :: range !! where the weights have fallen to 0, in layers
-        real(rk) :: more(3)
-        real(dp), allocatable :: d(:, :), f(:), left(:), slope(:), step(:), tau(:)
-        type(layers_t) :: plain
-        real(dp) :: a, square
-        integer :: k, n
-
-        more = 0
-        if (range > most_layers) return
-        n = 2*(ceiling(range) + 8)
-        d = layer_gradient(dimension, h, n)
-        f = [(max(1 - k/range, 0.0_dp), k=0, n - 1)]
-        left = sum(d, dim=1) - f/sum(f)
-        left(n/2 + 1:) = 0 ! what the other end of the lattice asks for
-        tau = 0*f
-        slope = matmul(d, left)
-        step = slope
-        do k = 1, n
-            square = dot_product(slope, slope)
-            if (square <= 1e-20_dp) exit
-            a = square/sum(matmul(step, d)**2)
-            tau = tau + a*step
-            left = left - a*matmul(step, d)
-            slope = matmul(d, left)
-            step = slope + dot_product(slope, slope)/square*step
-        end do
-        plain%range = real(range, rk)
-        do k = 1, 3
-            more(k) = real(sum(f)*tau(k), rk) - real(sum(f), rk)* &
-                      load_below(plain, 1, real(k - 1, rk), real(sum(f), rk))
-        end do
-    end function spread_shares
-
-    !> Part of a load that acts below the middle of a layer: all but the weights of the layers above
-    !> it and half of its own, and `more` in the first three.
-    !@cuf attributes(host,device) &
-    pure function load_below(layers, d, depth, weight) result(part)
-        type(layers_t), intent(in) :: layers
-        integer, intent(in) :: d !! direction
-        real(rk), intent(in) :: depth !! below the outermost layer, in layers
-        real(rk), intent(in) :: weight !! of all layers of the column, in that of the outermost
-        real(rk) :: part
-        integer :: k
-
-        part = 0
-        if (depth >= layers%range(d)) return
-        part = weight - (depth + 0.5_rk - depth*depth/(2*layers%range(d)))
-        ! of a thinner body none: its gradients are others, those of two layers as plain as this
-        do k = 1, merge(3, 0, weight > 0.9_rk*layers%whole(d))
-            part = part + layers%more(k, d)*max(1 - abs(depth - (k - 1)), 0.0_rk)
-        end do
-        part = max(part/weight, 0.0_rk)
-    end function load_below
 end module brz_face_stress

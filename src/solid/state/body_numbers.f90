@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> The numbers of a body that loops over its particles read.
 module brz_body_numbers
-    use brz_face_layers, only: layers_t
     use brz_formulation_names, only: artificial_none, form_bending
     use brz_kinds, only: rk
     implicit none
@@ -29,7 +28,6 @@ module brz_body_numbers
         real(rk) :: lift = 0 !! of its faces over their tilt, see brz_one_sided_arm
         real(rk) :: layer_stiffness(9) = 0 !! C11, C22, C33, C12, C23, C13, G12, G23, G13 [Pa]
         real(rk) :: contraction = 0 !! along the normal over the growth of the area
-        type(layers_t) :: layers !! under the faces of the air
         real(rk) :: face_share = 0 !! of the stress of loaded faces, see brz_face_stress; 0: none
     end type body_numbers_t
 end module brz_body_numbers
