@@ -6,7 +6,7 @@
 !> those of others around them.
 module brz_coupling_box
     use brz_air_grid, only: grid_t
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp
     implicit none
     private
     public :: box_t
@@ -17,7 +17,6 @@ module brz_coupling_box
         integer :: before(3) !! cells of the grid before the halo
         integer :: own(3, 2) !! first and last cell of this process, as the halo counts
         logical :: wraps(3) !! periodic directions
-        real(rk) :: spread !! depth over which a load is spread, in cells
         real(dp) :: lo(3), dx(3) !! low corner of the grid, sides of a cell [m]
         type(grid_t) :: grid !! where the cells lie in memory
     end type box_t

@@ -6,7 +6,6 @@ module brz_coupling_setup
     use brz_air_part, only: halo_of
     use brz_boxes, only: cells_t
     use brz_case, only: case_t, label
-    use brz_coupling_box, only: box_t
     use brz_coupling_ghosts, only: open_halos
     use brz_coupling_state, only: coupling_t
     use brz_coupling_windows, only: put_halos, see_halo
@@ -46,8 +45,7 @@ contains
             if (failed(err)) return
             call judge_spacing(case, air, solid)
         end if
-        call couple(air, solid, real(case%coupling%spread, rk), &
-                    real(case%coupling%reference_pressure, rk), coupling, &
+        call couple(air, solid, real(case%coupling%reference_pressure, rk), coupling, &
                     case%coupling%scheme /= 'paper')
         if (coupling%paper) air%activity = .false.
     end subroutine set_up_coupling
@@ -72,10 +70,9 @@ contains
     end subroutine judge_spacing
 
     !> Put the walls up where the particles are: cut cells, or those of the paper.
-    subroutine couple(air, solid, spread, reference_pressure, coupling, cut)
+    subroutine couple(air, solid, reference_pressure, coupling, cut)
         type(air_t), intent(inout) :: air
         class(listed_bodies_t), intent(inout) :: solid !! read
-        real(rk), intent(in) :: spread !! depth over which a load is spread, in air cells
         real(rk), intent(in) :: reference_pressure !! taken off every load [Pa]
         type(coupling_t), intent(out) :: coupling
         logical, intent(in), optional :: cut !! false: as the paper has it
@@ -87,7 +84,7 @@ contains
         coupling%n_var = air%n_var
         coupling%reference_pressure = reference_pressure
         coupling%wraps = air%bc(1, :) == bc_periodic .and. air%n > 1
-        call make_box(air, spread, coupling)
+        call make_box(air, coupling)
         associate (lo => 1 - air%g, hi => air%n + air%g)
             allocate (coupling%wall%solid(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)), source=0_int8)
         end associate
@@ -120,9 +117,8 @@ contains
     end subroutine refuse_small_periods
 
     !> The box of the air as the loops see it: of several processes the halo of this one.
-    subroutine make_box(air, spread, coupling)
+    subroutine make_box(air, coupling)
         type(air_t), intent(in) :: air
-        real(rk), intent(in) :: spread !! depth over which a load is spread, in air cells
         type(coupling_t), intent(inout) :: coupling
         type(cells_t) :: halo
 
@@ -137,7 +133,6 @@ contains
         coupling%box%own(:, 1) = air%before - coupling%box%before + 1
         coupling%box%own(:, 2) = air%before - coupling%box%before + air%n
         coupling%box%wraps = coupling%wraps
-        coupling%box%spread = spread
         coupling%box%lo = air%lo
         coupling%box%dx = air%dx
         coupling%box%grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)

@@ -78,7 +78,7 @@ contains
         logical :: found
 
         status = air_ok
-        call fill_ghosts(air, wall, err)
+        call fill_ghosts(air, err)
         call sweep_all(air, wall, stage, err)
         if (wall%cells%present) call find_cut_rates(air, wall, stage, 0, err)
         if (.not. last) call offer_next(air, err)
@@ -92,9 +92,8 @@ contains
 
     !> Fill the ghosts of all directions that are modelled. Where the box of another process begins
     !> they are its cells.
-    subroutine fill_ghosts(air, wall, err)
+    subroutine fill_ghosts(air, err)
         type(air_t), intent(inout) :: air
-        type(wall_t), intent(in) :: wall
         type(error_t), intent(inout) :: err
 
         call exchange_ghosts(air, err)

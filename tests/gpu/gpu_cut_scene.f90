@@ -104,7 +104,7 @@ contains
             s%solid%x_ref = s%solid%x
             s%solid%x_built = s%solid%x
         end if
-        call couple(s%air, s%solid, 1.5_rk, 1e5_rk, s%coupling, .true.)
+        call couple(s%air, s%solid, 1e5_rk, s%coupling, .true.)
         call hand_over(s)
     end subroutine join
 

@@ -90,7 +90,7 @@ class Scene:
                          pressure=rng.uniform(2e5, 2e7),
                          velocity=numbers(self.motion(300.0)))  # fmt: skip
         if self.chance(0.3):
-            self.add("coupling", spread=rng.choice([1, 1.5, 3]),
+            self.add("coupling",
                      scheme=rng.choice(["'cut_cells'", "'cut_cells'", "'paper'"]))  # fmt: skip
 
     def draw_charge(self):

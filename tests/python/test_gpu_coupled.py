@@ -42,9 +42,8 @@ def cells(path):
 def test_bodies_in_air_move_as_on_the_cpu(deck):
     (deck / "f.nml").write_text(COUPLED, encoding="utf-8")
     agree(deck, "f.nml")
-    listed = [
-        set(cells(path)) for path in sorted((deck / "gpu").glob("chk_*.h5"))
-    ]  # they follow the body
+    listed = [set(cells(path)) for path in sorted((deck / "gpu").glob("chk_*.h5"))]
+    # they follow the body
     assert len(listed[-1] - listed[0]) > 20 and len(listed[0] - listed[-1]) > 20
     first = ("--set", "run.max_steps=9", "--out", "parts")
     assert run(deck, "f.nml", "--backend", "gpu", *first).returncode == 0

@@ -30,7 +30,6 @@ TORN = """\
 &body id = 'torn', shape = 'particles', file = 'torn.csv', start_file = 'torn.csv',
      spacing = 6e-3, material = 's' /
 &gauge id = 'a', at = 0.22, 0.2, 0.04, quantity = 'pressure' /
-&coupling scheme = 'cut_cells' /
 &output dump_every = 1e-4, history_every = 0 /
 """
 CORNER = 0.24, 0.24, 0.04
@@ -124,7 +123,7 @@ SHORT = {"disc": 400, "two_plates": 150, "struck_fragment": 60, "panel": 40}
 @needs_mpirun
 @pytest.mark.parametrize("name", ["disc", "two_plates", slow("struck_fragment"), slow("panel")])
 def test_scenes_with_cut_cells_give_the_same(name, tmp_path):
-    deck = (ROOT / f"tests/scenes/{name}.nml").read_text() + "\n&coupling scheme = 'cut_cells' /\n"
+    deck = (ROOT / f"tests/scenes/{name}.nml").read_text()
     for n in (0, 3):
         go(n, deck, tmp_path, "--set", f"run.max_steps={SHORT[name]}", "--set",
            "output.history_every=0", out=str(n))  # fmt: skip

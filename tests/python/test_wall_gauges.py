@@ -8,7 +8,6 @@ from test_gpu import EMULATOR, stamp
 from test_gpu import run as on_gpu
 from test_loads import run
 from test_ranks import needs_mpirun, start
-from test_run import arrays
 from tiers import slow
 
 WAVES = {
@@ -102,8 +101,6 @@ def _alone(request, tmp_path_factory):
     (folder / "deck.nml").write_text(DECKS[request.param])
     done = start(0, "run", "deck.nml", "--out", "out", cwd=folder)
     assert done.returncode == 0, done.stderr
-    state = arrays(sorted((folder / "out").glob("chk_*.h5"))[-1])
-    assert state["coupling/covered_total"] > 30
     return folder
 
 

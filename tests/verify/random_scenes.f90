@@ -67,7 +67,7 @@ contains
         call keep_outside(s%air)
         call draw_bodies(s%air, rho0, c0, random, s%solid, s%bodies, speed)
         s%speed = max(s%speed, 2*speed)
-        call couple(s%air, s%solid, 1.5_rk, real(p0, rk), s%coupling)
+        call couple(s%air, s%solid, real(p0, rk), s%coupling)
         call total(s, s%start)
         write (s%what, '(a, i0, a, 3(1x, i0), a, 6i2, a, 3(1x, i0), a, f5.2, a, 4i2)') 'scene ', &
             number, ': cells', s%air%n, ' ends', s%air%bc, ' scheme', s%air%scheme%reconstruction, &

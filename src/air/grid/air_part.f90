@@ -15,6 +15,11 @@ module brz_air_part
     private
     public :: air_part_t, take_part, box_of, layers_seen, halo_of
 
+    integer, parameter :: layers_seen = 10
+    !! layers of cells around a box that the coupling of this box depends on, and those that these
+    !! depend on in a step: shapes follow from particles some cells away, and clusters reach over
+    !! some more
+
     type :: air_part_t
         type(ranks_t) :: ranks !! the processes that share the grid
         type(cells_t), allocatable :: boxes(:) !! (0:processes-1) cells of each
@@ -85,15 +90,6 @@ contains
             call plan_fetch(part%ranks, boxes, wanted, grid, periodic, numbers, fetch)
         end subroutine plan
     end subroutine take_part
-
-    !> Layers of cells around a box that the coupling of this box depends on, and those that these
-    !> depend on in a step: shapes follow from particles some cells away, clusters reach over some
-    !> more, and a load reaches so far into a body.
-    pure integer function layers_seen(spread) result(layers)
-        real(dp), intent(in) :: spread !! depth of a load, in cells
-
-        layers = 8 + max(ceiling(spread), 2)
-    end function layers_seen
 
     !> The cells that the coupling of a process sees: its box and the layers around, not beyond the
     !> grid. A direction that is not cut is whole.

@@ -63,7 +63,7 @@ contains
         if (present(ranks)) air%part%ranks = ranks
         if (present(boxes)) allocate (air%part%boxes(0:ubound(boxes, 1)), source=boxes)
         if (several(air%part%ranks) .and. size(case%bodies) > 0) &
-            air%around = layers_seen(case%coupling%spread)
+            air%around = layers_seen
         call make_grid(case%air%lo, case%air%hi, case%air%cells, air)
         if (allocated(case%gas)) then
             do m = 1, size(case%gas)

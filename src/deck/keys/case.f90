@@ -255,7 +255,6 @@ module brz_case
     type :: coupling_case_t
         logical :: present = .false. !! air and at least one body
         character(name_len) :: scheme = 'cut_cells' !! or 'paper'
-        real(dp) :: spread = 1.5_dp !! depth over which a surface load is spread, in air cells
         real(dp) :: reference_pressure = 101325 !! taken off every load [Pa]
     end type coupling_case_t
 

@@ -238,11 +238,9 @@ contains
             words('scheme', 'cut_cells: walls where they are, through cells; nothing is lost. '// &
                 'paper: as the paper prints it, solid cells filled with gas, to compare; it '// &
                 'loses mass.', default='cut_cells', choices='cut_cells|paper'), &
-            number('spread', '-', 'Depth over which a surface load is spread into a body, in '// &
-                'air cells.', default='1.5', above=zero, upper=10*one), &
             number('reference_pressure', 'Pa', 'Pressure taken off every load; that of the '// &
                 'undisturbed air if absent.', lower=zero)], &
-            expert='scheme spread reference_pressure')
+            expert='scheme reference_pressure')
         call add_group(keys, 'output', 'What is written, and how often.', [ &
             number('dump_every', 's', 'Time between dumps; only the first and the last if '// &
                 'absent.', above=zero), &

@@ -309,7 +309,6 @@ contains
                     call get_region(deck, g, case%run%dimension, case%solid)
                 case ('coupling')
                     call get(group, 'scheme', case%coupling%scheme)
-                    call get(group, 'spread', case%coupling%spread)
                     call get(group, 'reference_pressure', case%coupling%reference_pressure)
                 case ('output')
                     call get(group, 'dump_every', case%output%dump_every)

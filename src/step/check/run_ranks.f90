@@ -109,7 +109,7 @@ contains
         boxes = size_of%boxes
         layers = merge(n_ghost, 0, case%air%cells > 1)
         if (size(case%bodies) > 0) & ! the halo
-            layers = merge(layers_seen(case%coupling%spread), 0, case%air%cells > 1)
+            layers = merge(layers_seen, 0, case%air%cells > 1)
         write (output_unit, '(a, i0, a, f0.3, a)') 'processes    ', n, &
             ', the largest box over the mean ', maxval(real(cells_of(boxes), dp))*n/size_of%cells
         do r = 0, n - 1
@@ -161,7 +161,7 @@ contains
         integer :: b, cell(3), i, r
 
         do r = 0, ubound(copies, 1)
-            halos(r) = widened(boxes(r), spread(layers_seen(case%coupling%spread), 1, 3))
+            halos(r) = widened(boxes(r), spread(layers_seen, 1, 3))
             halos(r) = common(halos(r), cells_t([1, 1, 1], case%air%cells))
             halos(r) = widened(halos(r), [1, 1, 1])
         end do
