@@ -3,7 +3,7 @@
 !> particles there, a node to its particles likewise. Both are gathers, and nothing is lost.
 module brz_cut_load_loop_bodies
     use brz_air_grid, only: cell_at, is_between
-    use brz_cut_cells, only: node_grid_t, see_image
+    use brz_cut_cells, only: node_grid_t, of_plane, see_image
     use brz_cut_list_loop_bodies, only: entry_at, nodes_around
     use brz_cut_node_loop_bodies, only: tent
     use brz_kinds, only: dp, int32, rk
@@ -25,7 +25,7 @@ contains
         real(dp), intent(inout) :: bearing(*)
         real(dp) :: around
         integer :: at(3), d, high(3), i, ijk(3), j, k, low(3), node, wide
-        logical :: turned
+        integer :: image
 
         bearing(s) = 0
         if (place(s) == 0) return
@@ -40,7 +40,7 @@ contains
                         at(2) = j
                         at(3) = k
                         do d = 1, 3
-                            call see_image(nodes, d, 1, at(d), turned)
+                            call see_image(nodes, d, 1, at(d), image)
                         end do
                         node = entry_at(nodes, at(1), at(2), at(3), slot)
                         if (node > 0) around = around + mass(node)
@@ -71,6 +71,7 @@ contains
         real(dp), intent(inout) :: moment(3, *) !! about the low corner of the grid [N m]
         real(dp) :: arm(3), borne(2, 3), low_side(3), push(3), share
         integer :: at(3), b, d, high(3), i, ijk(3), j, k, low(3), side, to(3)
+        integer :: image
         logical :: on_low, own, turned(3)
 
         do d = 1, 3
@@ -97,7 +98,8 @@ contains
                         if (nodes%n(d) > 1) own = own .and. at(d) >= ijk(d) - 1 &
                             .and. at(d) <= ijk(d)
                         to(d) = at(d)
-                        call see_image(nodes, d, 0, to(d), turned(d))
+                        call see_image(nodes, d, 0, to(d), image)
+                        turned(d) = image == of_plane
                     end do
                     b = entry_at(nodes, to(1), to(2), to(3), slot)
                     if (b == 0) cycle

@@ -3,7 +3,7 @@
 !> do to the bodies that carry them.
 module brz_cut_motion_loop_bodies
     use brz_air_grid, only: cell_at, is_between
-    use brz_cut_cells, only: bare, node_grid_t, see_image
+    use brz_cut_cells, only: bare, node_grid_t, of_plane, see_image
     use brz_cut_list_loop_bodies, only: entry_at, nodes_around
     use brz_cut_node_loop_bodies, only: tent, turns_to
     use brz_driven_body_rules, only: add_force, add_yield, carried_velocity, driven_body_at, &
@@ -115,6 +115,7 @@ contains
         real(dp) :: all, at(3), p(3), weight
         real(rk) :: w(3), x(3)
         integer :: d, high(3), i, ijk(3), j, k, low(3), node, wide, to(3)
+        integer :: beyond
         logical :: turned(3)
         integer(int32) :: image(3)
 
@@ -148,7 +149,8 @@ contains
                         weight = 1
                         if (wide == 0) weight = tent(nodes, to, at)
                         do d = 1, 3
-                            call see_image(nodes, d, 1, to(d), turned(d))
+                            call see_image(nodes, d, 1, to(d), beyond)
+                            turned(d) = beyond == of_plane
                         end do
                         node = entry_at(nodes, to(1), to(2), to(3), slot)
                         if (node == 0) cycle

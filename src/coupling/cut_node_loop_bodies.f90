@@ -156,7 +156,7 @@ contains
         real(dp), intent(inout) :: momentum(3, *)
         real(rk), intent(inout) :: all_force(3, *), gas_load(3, *) !! [N]
         real(dp) :: all(at_corner), upper(3)
-        integer :: b, c, corner, d, e, ijk(3)
+        integer :: b, c, corner, d, e, ijk(3), side
         logical :: low
 
         ijk = cell_at(nodes%n, cell(s))
@@ -192,8 +192,9 @@ contains
             low = nodes%before(d) + ijk(d) == 1
             if (.not. (low .or. nodes%before(d) + ijk(d) == nodes%whole(d) + 1)) cycle
             all(row_fill) = 2*all(row_fill)
-            if (.not. nodes%mirrors(merge(1, 2, low), d)) cycle
-            call add_image(d, all)
+            side = merge(1, 2, low)
+            if (.not. (nodes%mirrors(side, d) .or. nodes%closed(side, d))) cycle
+            call add_image(merge(d, 0, nodes%mirrors(side, d)), all)
             do e = 1, 3
                 upper(e) = merge(all(row_mass)/2, 2*upper(e), e == d)
             end do
@@ -209,11 +210,11 @@ contains
         end do
     end subroutine cut_fill_node
 
-    !> Add what the image brings to a node on a plane of symmetry: as much mass, and vectors with
-    !> their part along the normal turned.
+    !> Add what the image brings to a node on a plane of symmetry or a wall: as much mass, and
+    !> vectors, of the former with their part along the normal turned.
     !@cuf attributes(host,device) &
     pure subroutine add_image(d, sums)
-        integer, intent(in) :: d !! normal of the plane
+        integer, intent(in) :: d !! normal of the plane of symmetry, 0: a wall
         real(dp), intent(inout) :: sums(at_corner)
         integer :: e
         real(dp) :: factor

@@ -35,8 +35,8 @@ contains
             cells%nodes%whole = c%box%whole
             cells%nodes%before = c%box%before
             cells%nodes%own = c%box%own
-            cells%nodes%mirrors = (air%outer == bc_symmetry .or. air%outer == bc_wall) &
-                .and. spread(air%n > 1, 1, 2)
+            cells%nodes%mirrors = air%outer == bc_symmetry .and. spread(air%n > 1, 1, 2)
+            cells%nodes%closed = air%outer == bc_wall .and. spread(air%n > 1, 1, 2)
             cells%nodes%cells = c%box%n
             cells%nodes%wraps = c%wraps
             cells%nodes%n = nodes_along(c%box%n, c%wraps)

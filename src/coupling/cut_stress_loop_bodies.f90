@@ -40,6 +40,7 @@ contains
         real(rk), intent(inout) :: deeper(2, 3, *) !! from the low, the high side [N]
         real(rk), intent(inout) :: in_line(2, 3, *) !! in faces
         integer :: b, d, e, ijk(3), m, side, to(3)
+        integer :: image
         logical :: turned
         real(rk) :: load(2)
 
@@ -55,7 +56,8 @@ contains
                     to(e) = ijk(e)
                 end do
                 to(d) = ijk(d) + m
-                call see_image(nodes, d, 1, to(d), turned)
+                call see_image(nodes, d, 1, to(d), image)
+                turned = image > 0
                 b = entry_at(nodes, to(1), to(2), to(3), slot)
                 if (b == 0) cycle
                 load(1) = from_low(d, b)

@@ -15,10 +15,11 @@ module brz_cut_cells
     use brz_kinds, only: dp, int32, int64, int8, rk
     implicit none
     private
-    public :: cut_before_t, cut_cells_t, node_grid_t, near, bare, at_corner, see_image
+    public :: cut_before_t, cut_cells_t, node_grid_t, near, bare, at_corner, see_image, of_plane, of_wall
 
     integer, parameter :: near = 3 !! cells round one with particles that are listed
     integer, parameter :: at_corner = 13 !! sums of the particles of a cell at a corner of it
+    integer, parameter :: of_plane = 1, of_wall = 2 !! images beyond a plane of symmetry, a wall
     real(rk), parameter :: bare = 1e-12_rk !! wall area that counts as none, in faces
 
     !> The grid of nodes, and how cells lie in memory.
@@ -29,7 +30,8 @@ module brz_cut_cells
         integer :: before(3) = 0 !! cells of the grid before the first: on several processes the box
                                  !! is a halo
         integer :: own(3, 2) = 1 !! first and last cell of this process
-        logical :: mirrors(2, 3) = .false. !! a plane of symmetry or a wall is at this end
+        logical :: mirrors(2, 3) = .false. !! a plane of symmetry is at this end of the grid
+        logical :: closed(2, 3) = .false. !! a wall is at this end
         logical :: wraps(3) = .false. !! periodic directions, whole in the box of each process
         integer :: dimensions = 0 !! directions that are modelled
         real(dp) :: lo(3) = 0 !! low corner of the grid [m]
@@ -123,22 +125,30 @@ module brz_cut_cells
 
 contains
 
-    !> Index of a node, or a cell, along a direction or, beyond a plane of symmetry, of its image.
+    !> Index of a node, or a cell, along a direction or, beyond a plane of symmetry or a wall, of its
+    !> image. What bodies carry is turned in the former. Beside a wall a body goes on as if it moved
+    !> along, so that it bears its load evenly and the wall takes none of it.
     !@cuf attributes(host,device) &
-    pure subroutine see_image(nodes, d, last, index, turned)
+    pure subroutine see_image(nodes, d, last, index, image)
         type(node_grid_t), intent(in) :: nodes
         integer, intent(in) :: d !! direction
         integer, intent(in) :: last !! 1: of nodes, of which one lies on the plane, 0: of cells
         integer, intent(inout) :: index
-        logical, intent(out) :: turned !! it is an image
-        integer :: i
+        integer, intent(out) :: image !! of_plane, of_wall, or 0: none
+        integer :: i, side
 
         i = nodes%before(d) + index
-        turned = (i < 1 .and. nodes%mirrors(1, d)) &
-                 .or. (i > nodes%whole(d) + last .and. nodes%mirrors(2, d))
-        if (.not. turned) return
-        if (i < 1) i = 1 + last - i
-        if (i > nodes%whole(d) + last) i = 2*nodes%whole(d) + 1 + last - i
+        image = 0
+        if (i >= 1 .and. i <= nodes%whole(d) + last) return
+        side = merge(1, 2, i < 1)
+        if (nodes%mirrors(side, d)) image = of_plane
+        if (nodes%closed(side, d)) image = of_wall
+        if (image == 0) return
+        if (side == 1) then
+            i = 1 + last - i
+        else
+            i = 2*nodes%whole(d) + 1 + last - i
+        end if
         index = i - nodes%before(d)
     end subroutine see_image
 end module brz_cut_cells

@@ -341,7 +341,7 @@ contains
         real(rk) :: away, far, from(5), gamma, here(5), long, near, wide, weight, weights
         integer(int64) :: at
         integer :: d, e, next, q, root(3), row, way
-        logical :: turned
+        integer :: image
 
         speed = du
         q = master(s)
@@ -366,16 +366,16 @@ contains
             next = beside(row, q)
             if (next == 0) then
                 e = root(d) + merge(-1, 1, n(d) > 0)
-                call see_image(nodes, d, 0, e, turned)
+                call see_image(nodes, d, 0, e, image)
                 if (.not. nodes%wraps(d) .and. (e < 1 .or. e > nodes%cells(d))) cycle
             else
                 if (master(next) == q) cycle
-                turned = .false.
+                image = 0
             end if
             at = place(q)
-            if (.not. turned) at = neighbour(d, merge(-1, 1, n(d) > 0), nodes%grid, at, root(d))
+            if (image == 0) at = neighbour(d, merge(-1, 1, n(d) > 0), nodes%grid, at, root(d))
             call state_at(nodes, scheme, at, u, gamma, from)
-            if (turned) from(1 + d) = -from(1 + d)
+            if (image > 0) from(1 + d) = -from(1 + d)
             weight = n(d)**2
             weights = weights + weight
             long = long + weight*abs(n(d))*real(nodes%dx(d), rk)
