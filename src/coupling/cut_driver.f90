@@ -539,8 +539,9 @@ contains
                     call for_each_cut_stress_particle(g, last - first + 1, first, nodes, &
                         solid%bodies(b)%face_share, &
                         solid%bodies(b)%spacing/solid%bodies(b)%stretch, p%wide, p%stride_d, &
-                        p%stride_t, l%home, l%cell, l%slot, p%x, l%fill, l%distance, l%mass, l%above, l%force, &
-                        l%from_low, l%faces, l%deeper, l%in_line, p%face_stress, err)
+                        p%stride_t, l%home, l%cell, l%slot, p%x, l%fill, l%distance, l%mass, &
+                        l%above, l%force, l%from_low, l%faces, l%deeper, l%in_line, &
+                        p%face_stress, err)
                 end associate
             end do
         end associate
