@@ -14,7 +14,7 @@ module brz_cut_driver
     use brz_cut_curvature_loops, only: for_each_cut_find_normal, for_each_cut_find_sag, &
         for_each_cut_smooth_fill
     use brz_cut_motion_loops, only: for_each_cut_find_carrier, for_each_cut_find_push, &
-        for_each_cut_push_node, for_each_cut_sum_load, &
+        for_each_cut_sum_load, &
         for_each_cut_sum_push, for_each_cut_sweep, for_each_cut_tame, for_each_cut_wall_velocity
     use brz_cut_list_loops, only: for_each_cut_cell_of, for_each_cut_find_beside, &
         for_each_cut_find_home, for_each_cut_mark, for_each_cut_mark_listed, &
@@ -26,6 +26,8 @@ module brz_cut_driver
         for_each_cut_find_ball, &
         for_each_cut_find_distance, for_each_cut_find_largest, for_each_cut_find_thickest, &
         for_each_cut_search_octant, for_each_cut_see_fill
+    use brz_cut_push_loops, only: for_each_cut_push_corner, for_each_cut_push_node, &
+        for_each_cut_push_particle
     use brz_cut_share, only: list_shared, share_marks, share_masters, share_rows
     use brz_cut_shape_loops, only: for_each_cut_close, for_each_cut_open, for_each_cut_shape
     use brz_cut_stress_loops, only: for_each_cut_stress_particle, for_each_cut_sum_lines
@@ -34,7 +36,6 @@ module brz_cut_driver
     use brz_driven_body_motion, only: foresee_driven_bodies, read_driven_bodies
     use brz_driven_body_rules, only: carries_all, carries_none, n_push
     use brz_errors, only: error_t
-    use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp, int32, int64, rk
     use brz_lists, only: at_least, clear_list, clear_map, count_in_bins, put_in_bins, running_sum, &
         swap
@@ -84,6 +85,7 @@ contains
             call at_least(c%on_gpu, cells%home, p%n, err)
             call at_least(c%on_gpu, cells%binned, p%n, err)
             call at_least(c%on_gpu, cells%radius, p%n, err)
+            call at_least(c%on_gpu, cells%change, 3, p%n, err)
             call for_each_cut_find_home(c%on_gpu, p%n, c%cell_of, cells%slot, cells%home, err)
             call clear_list(c%on_gpu, cells%n + 2, cells%bin_ends, err)
             call count_in_bins(c%on_gpu, p%n, cells%home, cells%bin_ends, err)
@@ -178,8 +180,7 @@ contains
         call at_least(on_gpu, cells%carrier, n, err)
         call at_least(on_gpu, cells%turns, 3, n, err)
         call at_least(on_gpu, cells%kept, max_var + 1, n, err)
-        call at_least(on_gpu, cells%all_force, 3, n, err)
-        call at_least(on_gpu, cells%gas_load, 3, n, err)
+        call at_least(on_gpu, cells%pushes, 24, n, err)
         call at_least(on_gpu, cells%smooth, n, err)
         call at_least(on_gpu, cells%next_smooth, n, err)
         call at_least(on_gpu, cells%normal, 3, n, err)
@@ -221,16 +222,10 @@ contains
         type(error_t), intent(inout) :: err
 
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
-            if (several(c%ranks)) then
-                associate (before => c%ghosts%v_before, seat => c%part%seat)
-                    call sum_corners(p, c, before, seat, err)
-                end associate
-            else
-                call sum_corners(p, c, c%v_before, p%id, err)
-            end if
-            call for_each_cut_fill_node(g, l%n, nodes, real(c%dt_before, rk), l%cell, l%slot, &
-                l%sums, l%top, l%fill, l%mass, l%above, l%heaviest, l%momentum, l%all_force, &
-                l%gas_load, err)
+            call for_each_cut_fill_corner(g, 8*l%n, nodes, p%wide, p%stride_w, l%cell, l%bin_ends, &
+                l%binned, p%x, p%v, p%mass, p%volume, l%sums, l%top, err)
+            call for_each_cut_fill_node(g, l%n, nodes, l%cell, l%slot, l%sums, l%top, l%fill, &
+                                        l%mass, l%above, l%heaviest, l%momentum, err)
             call for_each_cut_see_fill(g, p%n, nodes, p%wide, l%home, l%cell, l%slot, p%x, l%fill, &
                                        l%radius, err)
             call for_each_cut_find_thickest(g, l%n, l%bin_ends, l%binned, l%radius, l%thickness, &
@@ -251,22 +246,6 @@ contains
         call open_faces(c, 1, err)
     end subroutine find_shapes
 
-    !> What particles bring to the corners of their cells, where the velocity of one a step ago is a
-    !> column of v_before.
-    subroutine sum_corners(p, c, v_before, column, err)
-        class(bodies_t), intent(in) :: p !! particles
-        type(coupling_t), intent(inout) :: c
-        real(rk), intent(in) :: v_before(:, :) !! [m/s]
-        integer(int32), intent(in) :: column(:) !! of each particle in it
-        type(error_t), intent(inout) :: err
-
-        associate (l => c%wall%cells)
-            call for_each_cut_fill_corner(c%on_gpu, 8*l%n, l%nodes, p%wide, p%stride_w, &
-                p%stride_d, p%stride_p, merge(1, 0, any_moves_freely(p)), l%cell, l%bin_ends, &
-                l%binned, p%x, p%v, p%mass, p%volume, p%load, v_before, column, l%sums, l%top, err)
-        end associate
-    end subroutine sum_corners
-
     !> How far facets lie inside curved walls, from the fill of the nodes.
     subroutine find_sags(on_gpu, l, err)
         logical, intent(in) :: on_gpu
@@ -282,14 +261,6 @@ contains
         call for_each_cut_find_normal(on_gpu, l%n, l%nodes, l%cell, l%slot, l%smooth, l%normal, err)
         call for_each_cut_find_sag(on_gpu, l%n, l%nodes, l%cell, l%slot, l%normal, l%sag, err)
     end subroutine find_sags
-
-    !> Is there a body that is not rigid?
-    pure logical function any_moves_freely(p)
-        class(bodies_t), intent(in) :: p
-
-        any_moves_freely = .true.
-        if (allocated(p%bodies)) any_moves_freely = any(p%bodies%formulation /= form_rigid)
-    end function any_moves_freely
 
     !> Open shares and wall areas of cells that are shut or not.
     subroutine open_faces(c, seal, err)
@@ -441,11 +412,36 @@ contains
             call for_each_cut_bear(g, l%n, nodes, whole, 0.0_rk, l%cell, l%slot, l%mass, &
                                    l%bearing, l%area, l%middle, l%press, l%force, l%from_low, &
                                    l%faces, l%moment, err)
-            call for_each_cut_push_node(g, l%n, nodes, c%bodies, real(dt, rk), c%driven, &
-                p%fixed, l%heaviest, l%mass, l%all_force, l%gas_load, l%force, l%impedance, &
-                l%momentum, err)
         end associate
+        if (several(c%ranks)) then
+            associate (before => c%ghosts%v_before, seat => c%part%seat)
+                call push_particles(p, c, dt, before, seat, err)
+            end associate
+        else
+            call push_particles(p, c, dt, c%v_before, p%id, err)
+        end if
     end subroutine push_nodes
+
+    !> The same by their particles, where the velocity of one a step ago is a column of v_before.
+    subroutine push_particles(p, c, dt, v_before, column, err)
+        class(bodies_t), intent(in) :: p !! particles
+        type(coupling_t), intent(inout) :: c
+        real(dp), intent(in) :: dt !! of the coming step of the air [s]
+        real(rk), intent(in) :: v_before(:, :) !! [m/s]
+        integer(int32), intent(in) :: column(:) !! of each particle in it
+        type(error_t), intent(inout) :: err
+
+        associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
+            call for_each_cut_push_particle(g, p%n, nodes, c%bodies, real(dt, rk), &
+                real(c%dt_before, rk), c%driven, p%wide, p%stride_d, p%stride_p, l%home, l%cell, &
+                l%slot, p%x, p%v, p%mass, p%fixed, p%load, v_before, column, l%mass, l%force, &
+                l%impedance, l%change, err)
+            call for_each_cut_push_corner(g, 8*l%n, nodes, p%wide, l%cell, l%bin_ends, l%binned, &
+                                          p%x, l%change, l%pushes, err)
+            call for_each_cut_push_node(g, l%n, nodes, l%cell, l%slot, l%sums, l%pushes, &
+                                        l%momentum, err)
+        end associate
+    end subroutine push_particles
 
     !> Bring the bodies that carry particles to the middle of the coming step.
     subroutine push_carriers(air, solid, c, dt, err)

@@ -10,13 +10,12 @@ module brz_cut_motion_loop_bodies
         carries_all, driven_body_t, is_carried
     use brz_gas, only: to_primitive
     use brz_kinds, only: dp, int32, int64, rk
-    use brz_load_rules, only: pushed_velocity
     use brz_particle_marks, only: is_fixed
     use brz_scheme, only: mixture_gamma, scheme_t
     use brz_wall_riemann, only: wall_star
     implicit none
     private
-    public :: cut_find_carrier, cut_find_push, cut_push_node, cut_wall_velocity, cut_sum_push, &
+    public :: cut_find_carrier, cut_find_push, cut_wall_velocity, cut_sum_push, &
         cut_tame, cut_sweep, cut_sum_load
 
     real(rk), parameter :: most_taken = 0.5_rk !! of a cluster's gas that walls take in a step
@@ -235,39 +234,6 @@ contains
             give(d, s) = yield(d)
         end do
     end subroutine cut_find_push
-
-    !> Bring the momentum of a node whose particles move as they like to the middle of the coming
-    !> step: they go on as in the last one, changed by what the gas now pushes more (see
-    !> pushed_velocity). So solids of less weight than a cell of gas stay stable.
-    !@loop_body if(n >= worth_threads) schedule(static)
-    !@cuf attributes(host,device) &
-    pure subroutine cut_push_node(s, nodes, bodies, dt, driven, fixed, heaviest, node_mass, &
-                                  all_force, gas_load, force, impedance, momentum)
-        integer, intent(in) :: s !! entries
-        type(node_grid_t), intent(in) :: nodes
-        integer, intent(in) :: bodies
-        real(rk), intent(in) :: dt !! of the coming step of the air [s]
-        type(driven_body_t), intent(in) :: driven(bodies)
-        integer(int32), intent(in) :: fixed(*)
-        integer(int32), intent(in) :: heaviest(*) !! particle at each node
-        real(dp), intent(in) :: node_mass(*)
-        real(rk), intent(in) :: all_force(3, *), gas_load(3, *) !! of the last step [N]
-        real(dp), intent(in) :: force(3, *), impedance(3, *) !! of the gas on the node
-        real(dp), intent(inout) :: momentum(3, *)
-        real(rk) :: speed
-        integer :: d
-
-        if (heaviest(s) == 0) return
-        if (fixed(heaviest(s)) == is_fixed) return
-        if (driven(driven_body_at(bodies, driven, heaviest(s)))%carries == carries_all) return
-        do d = 1, 3
-            if (nodes%n(d) == 1) cycle
-            speed = pushed_velocity(real(momentum(d, s)/node_mass(s), rk), all_force(d, s), &
-                                    real(force(d, s), rk) - gas_load(d, s), &
-                                    real(impedance(d, s), rk), real(node_mass(s), rk), dt)
-            momentum(d, s) = node_mass(s)*speed
-        end do
-    end subroutine cut_push_node
 
     !> Force and torque of the gas on the walls that a body carries if it keeps its motion, and how
     !> they fall if it yields.

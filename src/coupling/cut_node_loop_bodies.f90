@@ -17,11 +17,11 @@ module brz_cut_node_loop_bodies
     public :: cut_fill_corner, cut_fill_node, cut_see_fill, cut_find_thickest, cut_find_ball, &
         cut_find_largest, &
         cut_find_distance, cut_search_octant
-    public :: tent, turns_to, way_from
+    public :: cell_below, row_beyond, see_images, tent, turns_to, way_from
 
     ! rows of the sums at corners; + 1..3
     integer, parameter :: row_fill = 1, row_beyond = 2, row_mass = 3, row_most = 4
-    integer, parameter :: row_momentum = 4, row_change = 7, row_load = 10
+    integer, parameter :: row_momentum = 4
 
 contains
 
@@ -81,18 +81,14 @@ contains
     !> by side read the same particles. See cut_fill_node for the rows.
     !@loop_body if(n >= worth_threads) schedule(dynamic, 256)
     !@cuf attributes(host,device) &
-    pure subroutine cut_fill_corner(t, nodes, wide, stride_w, stride_d, stride_p, free, cell, &
-                                    ends, binned, x, v, mass, volume, load, v_before, id, sums, top)
+    pure subroutine cut_fill_corner(t, nodes, wide, stride_w, cell, ends, binned, x, v, mass, &
+                                    volume, sums, top)
         integer, intent(in) :: t !! corners of entries
         type(node_grid_t), intent(in) :: nodes
         integer, intent(in) :: wide, stride_w !! rows of x and v; distance of volumes
-        integer, intent(in) :: stride_d, stride_p !! distances in `load` of directions, of particles
-        integer, intent(in) :: free !! 1: forces are asked for
         integer(int32), intent(in) :: cell(*), ends(*), binned(*)
         real(dp), intent(in) :: x(wide, *)
-        real(rk), intent(in) :: v(wide, *), mass(*), volume(*), load(*)
-        real(rk), intent(in) :: v_before(3, *) !! by the number of a particle [m/s]
-        integer(int32), intent(in) :: id(*)
+        real(rk), intent(in) :: v(wide, *), mass(*), volume(*)
         real(dp), intent(inout) :: sums(at_corner, 8, *)
         integer(int32), intent(inout) :: top(8, *) !! particle of the most mass there, 0: none
         real(dp) :: filled, own(at_corner), share, weight, y(3)
@@ -125,10 +121,6 @@ contains
             end if
             do d = 1, 3
                 own(row_momentum + d) = own(row_momentum + d) + weight*v(d, p)
-                if (free == 0) cycle
-                own(row_change + d) = own(row_change + d) + weight*(v(d, p) - v_before(d, id(p)))
-                own(row_load + d) = own(row_load + d) + share &
-                                    *load(1 + (d - 1)*stride_d + (p - 1)*stride_p)
             end do
         end do
         do d = 1, at_corner
@@ -137,15 +129,13 @@ contains
     end subroutine cut_fill_corner
 
     !> What the particles bring to a node, from the corners of the cells about it: fill, mass, the
-    !> heaviest of them, momentum, the force of all kinds in the last step of the air, and the load
-    !> of the gas in that.
+    !> heaviest of them, and momentum.
     !@loop_body if(n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine cut_fill_node(s, nodes, dt_before, cell, slot, sums, top, fill, node_mass, &
-                                  above, heaviest, momentum, all_force, gas_load)
+    pure subroutine cut_fill_node(s, nodes, cell, slot, sums, top, fill, node_mass, above, &
+                                  heaviest, momentum)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
-        real(rk), intent(in) :: dt_before !! last step of the air; 0: none [s]
         integer(int32), intent(in) :: cell(*), slot(*)
         real(dp), intent(in) :: sums(at_corner, 8, *)
         integer(int32), intent(in) :: top(8, *)
@@ -154,10 +144,10 @@ contains
         real(rk), intent(inout) :: above(3, *) !! part of it above the node
         integer(int32), intent(inout) :: heaviest(*) !! particle of the most mass there, 0: none
         real(dp), intent(inout) :: momentum(3, *)
-        real(rk), intent(inout) :: all_force(3, *), gas_load(3, *) !! [N]
         real(dp) :: all(at_corner), upper(3)
-        integer :: b, c, corner, d, e, ijk(3), side
-        logical :: low
+        real(dp) :: mass, times(3) ! as often as the images say
+        logical :: halved(3)
+        integer :: b, c, corner, d, ijk(3)
 
         ijk = cell_at(nodes%n, cell(s))
         do d = 1, at_corner
@@ -168,12 +158,8 @@ contains
         end do
         heaviest(s) = 0
         do c = 0, 7
-            b = cell_below(nodes, ijk, c, slot)
+            call cell_below(nodes, ijk, c, slot, b, corner)
             if (b == 0) cycle
-            corner = 1
-            do d = 1, 3
-                if (nodes%n(d) > 1 .and. iand(c, 2**(d - 1)) == 0) corner = corner + 2**(d - 1)
-            end do
             if (sums(row_most, corner, b) > all(row_most)) heaviest(s) = top(corner, b)
             do d = 1, 3
                 if (iand(c, 2**(d - 1)) /= 0) upper(d) = upper(d) + sums(row_mass, corner, b)
@@ -186,68 +172,74 @@ contains
                 end if
             end do
         end do
-        all(row_fill) = all(row_fill)/nodes%volume
+        call see_images(nodes, ijk, all(row_beyond) > 0, all(row_fill), mass, times, halved)
+        fill(s) = real(all(row_fill)/nodes%volume, rk)
+        node_mass(s) = mass*all(row_mass)
         do d = 1, 3
-            if (nodes%n(d) == 1 .or. nodes%wraps(d) .or. all(row_beyond) > 0) cycle
-            low = nodes%before(d) + ijk(d) == 1
-            if (.not. (low .or. nodes%before(d) + ijk(d) == nodes%whole(d) + 1)) cycle
-            all(row_fill) = 2*all(row_fill)
-            side = merge(1, 2, low)
-            if (.not. (nodes%mirrors(side, d) .or. nodes%closed(side, d))) cycle
-            call add_image(merge(d, 0, nodes%mirrors(side, d)), all)
-            do e = 1, 3
-                upper(e) = merge(all(row_mass)/2, 2*upper(e), e == d)
-            end do
-        end do
-        fill(s) = real(all(row_fill), rk)
-        node_mass(s) = all(row_mass)
-        do d = 1, 3
-            above(d, s) = real(upper(d), rk)
-            momentum(d, s) = all(row_momentum + d)
-            all_force(d, s) = 0
-            if (dt_before > 0) all_force(d, s) = real(all(row_change + d)/dt_before, rk)
-            gas_load(d, s) = real(all(row_load + d), rk)
+            above(d, s) = real(merge(node_mass(s)/2, mass*upper(d), halved(d)), rk)
+            momentum(d, s) = times(d)*all(row_momentum + d)
         end do
     end subroutine cut_fill_node
 
-    !> Add what the image brings to a node on a plane of symmetry or a wall: as much mass, and
-    !> vectors, of the former with their part along the normal turned.
+    !> What the images of a body bring to a node at an end of the box: as much fill, unless it has
+    !> particles beyond; on a plane of symmetry and a wall as much mass, and vectors, of the former
+    !> with their part along the normal turned.
     !@cuf attributes(host,device) &
-    pure subroutine add_image(d, sums)
-        integer, intent(in) :: d !! normal of the plane of symmetry, 0: a wall
-        real(dp), intent(inout) :: sums(at_corner)
-        integer :: e
-        real(dp) :: factor
+    pure subroutine see_images(nodes, ijk, beyond, fill, mass, times, halved)
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: ijk(3) !! node
+        logical, intent(in) :: beyond !! there are particles beyond the box
+        real(dp), intent(inout) :: fill
+        real(dp), intent(out) :: mass, times(3) !! factors of mass and of vectors
+        logical, intent(out) :: halved(3) !! half of the mass is beyond the node
+        integer :: d, e, side
 
-        sums(row_mass) = 2*sums(row_mass)
-        do e = 1, 3
-            factor = merge(0.0_dp, 2.0_dp, e == d)
-            sums(row_momentum + e) = factor*sums(row_momentum + e)
-            sums(row_change + e) = factor*sums(row_change + e)
-            sums(row_load + e) = factor*sums(row_load + e)
+        mass = 1
+        do d = 1, 3
+            times(d) = 1
+            halved(d) = .false.
         end do
-    end subroutine add_image
+        if (beyond) return
+        do d = 1, 3
+            if (nodes%n(d) == 1 .or. nodes%wraps(d)) cycle
+            side = 0
+            if (nodes%before(d) + ijk(d) == nodes%whole(d) + 1) side = 2
+            if (nodes%before(d) + ijk(d) == 1) side = 1
+            if (side == 0) cycle
+            fill = 2*fill
+            if (.not. (nodes%mirrors(side, d) .or. nodes%closed(side, d))) cycle
+            mass = 2*mass
+            halved(d) = .true.
+            do e = 1, 3
+                times(e) = times(e)*merge(0.0_dp, 2.0_dp, e == d .and. nodes%mirrors(side, d))
+            end do
+        end do
+    end subroutine see_images
 
-    !> Entry of one of the eight cells about a node, the lowest first; 0 where there is none.
+    !> Entry of one of the eight cells about a node, the lowest first, 0 where there is none; and
+    !> which of its corners the node is.
     !@cuf attributes(host,device) &
-    pure function cell_below(nodes, ijk, c, slot) result(b)
+    pure subroutine cell_below(nodes, ijk, c, slot, b, corner)
         type(node_grid_t), intent(in) :: nodes
         integer, intent(in) :: ijk(3) !! node
         integer, intent(in) :: c !! 0 to 7: a bit for each direction
         integer(int32), intent(in) :: slot(*)
-        integer :: b, d, to(3)
+        integer, intent(out) :: b, corner !! entry, 1 to 8
+        integer :: d, to(3)
 
         b = 0
+        corner = 1
         do d = 1, 3
             to(d) = ijk(d)
             if (nodes%n(d) == 1) then
                 if (iand(c, 2**(d - 1)) /= 0) return
             else
                 to(d) = ijk(d) - 1 + merge(1, 0, iand(c, 2**(d - 1)) /= 0)
+                if (iand(c, 2**(d - 1)) == 0) corner = corner + 2**(d - 1)
             end if
         end do
         b = entry_at(nodes, to(1), to(2), to(3), slot)
-    end function cell_below
+    end subroutine cell_below
 
     !> True for a place outside the grid.
     !@cuf attributes(host,device) &

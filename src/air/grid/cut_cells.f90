@@ -18,7 +18,7 @@ module brz_cut_cells
     public :: cut_before_t, cut_cells_t, node_grid_t, near, bare, at_corner, see_image, of_plane, of_wall
 
     integer, parameter :: near = 3 !! cells round one with particles that are listed
-    integer, parameter :: at_corner = 13 !! sums of the particles of a cell at a corner of it
+    integer, parameter :: at_corner = 7 !! sums of the particles of a cell at a corner of it
     integer, parameter :: of_plane = 1, of_wall = 2 !! images beyond a plane of symmetry, a wall
     real(rk), parameter :: bare = 1e-12_rk !! wall area that counts as none, in faces
 
@@ -66,8 +66,7 @@ module brz_cut_cells
         real(dp), allocatable :: mass(:) !! (n) of the particles near it, by tent weights [kg]
         real(dp), allocatable :: momentum(:, :) !! (3, n) likewise [kg m/s]
         real(rk), allocatable :: above(:, :) !! (3, n) part of the mass above the node [kg]
-        real(rk), allocatable :: all_force(:, :) !! (3, n) on the particles in the last step [N]
-        real(rk), allocatable :: gas_load(:, :) !! (3, n) of the gas among it [N]
+        real(dp), allocatable :: pushes(:, :) !! (24, n) see cut_push_corner
         real(rk), allocatable :: smooth(:), next_smooth(:) !! (n) fill, smoothed
         real(rk), allocatable :: normal(:, :) !! (3, n) of it, out of the solid
         real(rk), allocatable :: sag(:) !! (n) of facets below a curved wall
@@ -120,6 +119,7 @@ module brz_cut_cells
         integer(int32), allocatable :: home(:) !! (particles) entry of its cell, 0: outside
         real(dp) :: whereabouts(2) = -1 !! of the particles of several processes, hashed
         integer(int32), allocatable :: bin_ends(:), binned(:) !! particles by entry
+        real(rk), allocatable :: change(:, :) !! (3, particles) see cut_push_particle [kg m/s]
         real(rk), allocatable :: radius(:) !! (particles) of the ball of a thin part, 0: none
     end type cut_cells_t
 
