@@ -26,7 +26,7 @@ SIDES = {"face": 0, "middle": 0.5, "inside": -0.4}  # cells before the body
 
 
 @pytest.mark.parametrize("wave", WAVES)
-@pytest.mark.parametrize("shift", [0, 0.3])  # of the body against the cells, in cells
+@pytest.mark.parametrize("shift", [0, 0.3, 0.7])  # of the body against the cells, in cells
 def test_impulse_beside_a_wall(tmp_path, wave, shift):
     """The overpressure up to half a cell before a body has the impulse that the body takes."""
     errors = []
@@ -96,11 +96,14 @@ DECKS = {"gives way": PLATE, "across": CROSS.format(gauges=gauges_across())}
 
 @pytest.fixture(name="alone", scope="module", params=[slow("gives way"), "across"])
 def _alone(request, tmp_path_factory):
-    """Gauges of a run on one process; the bodies move through several cells."""
+    """Gauges of a run on one process; the bodies move through more than a cell, 10 mm."""
     folder = tmp_path_factory.mktemp("alone")
     (folder / "deck.nml").write_text(DECKS[request.param])
     done = start(0, "run", "deck.nml", "--out", "out", cwd=folder)
     assert done.returncode == 0, done.stderr
+    bodies = np.genfromtxt(folder / "out/bodies.csv", delimiter=",", names=True, deletechars="")
+    ways = [bodies[name] for name in bodies.dtype.names if name.strip().endswith(":z[m]")]
+    assert max(abs(z[-1] - z[0]) for z in ways) > 0.01
     return folder
 
 

@@ -13,7 +13,7 @@ module brz_air_state
     use brz_scheme, only: hllc, max_var, mixture_gamma, scheme_t
     implicit none
     private
-    public :: air_t, wall_t, filled_t, sweep_work_t, charge_report_t
+    public :: air_t, wall_t, filled_t, met_t, sweep_work_t, charge_report_t
     public :: n_ghost, lines_per_block, brick
     public :: cell_centre, cell_gamma, set_scale
     public :: bc_outflow, bc_wall, bc_symmetry, bc_periodic, bc_inside
@@ -120,6 +120,18 @@ module brz_air_state
         integer(int32), allocatable :: binned(:) !! particles, cell by cell
     end type filled_t
 
+    !> What stands at the walls of some cells, for gauges: asked for anew when these look.
+    type :: met_t
+        integer :: n = 0 !! cells that are asked for
+        integer, allocatable :: cell(:, :) !! (3, n) their indices
+        integer(int32), allocatable :: place(:, :, :) !! (cells of the air) in the list, 0: not
+        integer(int32), allocatable :: number(:) !! (n) in the grid of nodes, 0: none
+        real(rk), allocatable :: state(:, :)
+        !! (n_met, n) density, velocity and pressure at the walls; area of these [m2], 0: none;
+        !! their distance from the centre of the cell, in cells across them, and what that falls by
+        !! for each cell along x, y and z
+    end type met_t
+
     !> Bodies in the air.
     type :: wall_t
         logical :: present = .false.
@@ -127,6 +139,7 @@ module brz_air_state
         !! 1 in cells without gas, or that hold particles as the paper has them
         type(cut_cells_t) :: cells
         type(cut_share_t) :: share !! of cut cells with other processes
+        type(met_t) :: met !! at gauges
         type(filled_t) :: filled !! in place of cut cells, as the paper has them
     end type wall_t
 

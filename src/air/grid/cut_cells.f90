@@ -15,12 +15,14 @@ module brz_cut_cells
     use brz_kinds, only: dp, int32, int64, int8, rk
     implicit none
     private
-    public :: cut_before_t, cut_cells_t, node_grid_t, near, bare, at_corner, see_image, of_plane, of_wall
+    public :: cut_before_t, cut_cells_t, node_grid_t, near, bare, at_corner, n_met, see_image, &
+        of_plane, of_wall
 
     integer, parameter :: near = 3 !! cells round one with particles that are listed
     integer, parameter :: at_corner = 7 !! sums of the particles of a cell at a corner of it
     integer, parameter :: of_plane = 1, of_wall = 2 !! images beyond a plane of symmetry, a wall
     real(rk), parameter :: bare = 1e-12_rk !! wall area that counts as none, in faces
+    integer, parameter :: n_met = 10 !! numbers of what stands at the walls of a cell, see met_t
 
     !> The grid of nodes, and how cells lie in memory.
     type :: node_grid_t

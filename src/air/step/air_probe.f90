@@ -2,9 +2,7 @@
 !> The gas at a point, for gauges.
 module brz_air_probe
     use brz_kinds, only: dp, rk
-    use brz_air_grid, only: number_of
     use brz_air_state, only: air_t, bc_symmetry, bc_wall, cell_gamma, wall_t
-    use brz_face_flux, only: speed_at_wall
     use brz_gas, only: to_primitive
     use brz_scheme, only: mixture_gamma
     use brz_wall_riemann, only: wall_star
@@ -13,8 +11,7 @@ module brz_air_probe
     public :: gas_state_at, cells_around, has_point, sees_gas
 
     integer, parameter, public :: probe_reach = 2
-    !! cells to look around if those beside a point hold only solid: with their neighbours as far as
-    !! what a process has of others
+    !! cells to look around if those beside a point hold only solid
 
 contains
 
@@ -22,11 +19,11 @@ contains
     !>
     !> Cells without gas are left out and the weights of the others made to sum to one. Where all
     !> eight hold none the gas cell nearest to the point counts, within two cells; zero if there is
-    !> none. A cell that touches such ones counts with the state at its walls, so that within half a
-    !> cell of them and in the solid a gauge has the pressure that the body feels. Within half a
-    !> cell of the boundary, and beyond it, the value of the last cell continues; towards a wall it
-    !> goes over to the state at the wall, which bears what the gas that hits it brings, at a plane
-    !> of symmetry the normal velocity to nothing.
+    !> none. A cut cell counts with the state at its wall (wall%met), so that within half a cell of
+    !> a body and in it a gauge has the pressure that the body feels. Within half a cell of the
+    !> boundary, and beyond it, the value of the last cell continues; towards a wall it goes over to
+    !> the state at the wall, which bears what the gas that hits it brings, at a plane of symmetry
+    !> the normal velocity to nothing.
     !>
     !> On several processes `around` holds the eight cells, which may be those of others. Without it
     !> this one must have the point (has_point).
@@ -38,24 +35,22 @@ contains
         real(rk), intent(in), optional :: around(:, 0:)
         !! (n_var, 0:7) conserved variables of the cells as cells_around has them; no walls
         real(rk) :: gamma
-        real(dp) :: x(3), weight, total
+        real(dp) :: x(3), total, weight
         integer :: low(3), cell(3), m
 
         call place_between(air, point, low, x)
-        state = 0
-        total = 0
-        do m = 0, 7
-            weight = weight_of(corner(m), x)
-            if (.not. weight > 0) cycle
-            if (present(around)) then
+        if (present(around)) then
+            state = 0
+            total = 0
+            do m = 0, 7
+                weight = weight_of(corner(m), x)
+                if (.not. weight > 0) cycle
                 state = state + weight*primitive_of(air, around(:, m))
-            else
-                cell = low + corner(m) - air%before
-                if (holds_solid(wall, cell)) cycle
-                state = state + weight*gas_of(air, wall, cell)
-            end if
-            total = total + weight
-        end do
+                total = total + weight
+            end do
+        else
+            call mix_cells(air, wall, low, x, state, total)
+        end if
         cell = low + nint(x) - air%before ! nearest
         if (total > 0) then
             state = state/total
@@ -193,80 +188,60 @@ contains
         if (wall%present) holds_solid = wall%solid(cell(1), cell(2), cell(3)) /= 0
     end function holds_solid
 
-    !> Primitive state of a gas cell; where it touches solid, that at its walls. In a corner each
-    !> wall changes density and pressure in the ratio in which it would alone.
-    function gas_of(air, wall, cell) result(state)
-        type(air_t), intent(in) :: air
+    !> Place of a cell in the list of those that touch walls, 0: it does not.
+    pure integer function wall_of(wall, cell) result(k)
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: cell(3)
-        real(dp) :: state(5)
-        real(dp) :: gas(5), met(3)
-        integer :: d
 
-        gas = primitive_of(air, air%u(cell(1), cell(2), cell(3), :))
-        state = gas
-        if (.not. wall%present) return
-        do d = 1, 3
-            if (air%n(d) == 1) cycle
-            met = gas([1, 1 + d, 5])
-            call meet_solid(air, wall, cell, d, gas, met)
-            state(1) = met(1)*ratio(state(1), gas(1))
-            state(1 + d) = met(2)
-            state(5) = met(3)*ratio(state(5), gas(5))
-        end do
-    end function gas_of
+        k = 0
+        if (wall%met%n == 0 .or. .not. allocated(wall%met%state)) return
+        k = wall%met%place(cell(1), cell(2), cell(3))
+        if (k > 0) then
+            if (.not. wall%met%state(6, k) > 0) k = 0
+        end if
+    end function wall_of
 
-    !> What stands at the walls of a gas cell across a direction: density, normal velocity and
-    !> pressure, as the flux there has them. Between two walls a mean; without one the gas.
-    subroutine meet_solid(air, wall, cell, d, gas, met)
+    !> Cells of gas around a point: their mean, by the weights of these.
+    !>
+    !> Those that touch a wall count with the state there. Where the point is within half a cell of
+    !> that the others do not count, and from there to a whole cell by part: a wave is at them some
+    !> time before or after it is at the wall, which in a history of the pressure is much.
+    subroutine mix_cells(air, wall, low, x, state, total)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
-        integer, intent(in) :: cell(3), d !! direction
-        real(dp), intent(in) :: gas(5) !! density, velocity, pressure
-        real(dp), intent(inout) :: met(3)
-        real(dp) :: at_walls(3), far(5)
-        real(rk) :: u, v, p_star, rho_star
-        integer :: next(3), s, n
+        integer, intent(in) :: low(3)
+        real(dp), intent(in) :: x(3) !! see place_between
+        real(dp), intent(out) :: state(5)
+        real(dp), intent(out) :: total !! sum of the weights; 0: no gas
+        real(dp) :: away, gas(5), part, seen, weight
+        integer :: cell(3), k, m
 
-        n = 0
-        at_walls = 0
-        do s = -1, 1, 2
-            next = cell
-            next(d) = cell(d) + s
-            if (.not. holds_solid(wall, next)) cycle
-            v = normal_velocity(air, wall, next, d)
-            next(d) = cell(d) - s
-            far = gas
-            if (holds_solid(wall, next)) then
-                far(1 + d) = 2*normal_velocity(air, wall, next, d) - gas(1 + d)
-            else if (next(d) > -air%before(d) .and. next(d) <= air%whole(d) - air%before(d)) then
-                far = primitive_of(air, air%u(next(1), next(2), next(3), :))
-            else if (air%outer(merge(1, 2, s > 0), d) == bc_symmetry) then
-                far(1 + d) = -gas(1 + d)
+        state = 0
+        total = 0
+        gas = 0
+        seen = 0
+        away = 0
+        do m = 0, 7
+            weight = weight_of(corner(m), x)
+            cell = low + corner(m) - air%before
+            if (.not. weight > 0) cycle
+            if (holds_solid(wall, cell)) cycle
+            k = wall_of(wall, cell)
+            if (k == 0) then
+                gas = gas + weight*primitive_of(air, air%u(cell(1), cell(2), cell(3), :))
+                seen = seen + weight
+            else
+                state = state + weight*wall%met%state(1:5, k)
+                total = total + weight
+                away = away + weight*(wall%met%state(7, k) &
+                                      - sum(wall%met%state(8:10, k)*(x - corner(m))))
             end if
-            u = speed_at_wall(air%scheme, real(far([1 + d, 5]), rk), v, real(gas(5), rk), &
-                              real(gas(1 + d), rk))
-            call wall_star(cell_gamma(air, cell(1), cell(2), cell(3)), real(gas(1), rk), &
-                           real(gas(5), rk), s*(u - v), p_star, rho_star)
-            n = n + 1
-            at_walls = at_walls + [rho_star, v, p_star]
         end do
-        if (n > 0) met = at_walls/n
-    end subroutine meet_solid
-
-    !> Velocity of the solid in a cell along direction d: none in a cell without gas, as the walls
-    !> of bodies that move run through cells that hold some [m/s].
-    pure real(rk) function normal_velocity(air, wall, cell, d) result(v)
-        type(air_t), intent(in) :: air
-        type(wall_t), intent(in) :: wall
-        integer, intent(in) :: cell(3), d
-        integer :: c
-
-        v = 0
-        if (wall%filled%n == 0 .or. any(cell < 1 .or. cell > air%n)) return
-        c = wall%filled%place(number_of(air%n, cell))
-        if (c > 0) v = wall%filled%v(d, c)
-    end function normal_velocity
+        part = 1
+        if (total > 0) part = min(max(2*away/total - 1, 0.0_dp), 1.0_dp)
+        state = state + part*gas
+        total = total + part*seen
+    end subroutine mix_cells
 
     !> Primitive state of a cell.
     pure function primitive_of(air, u) result(state)
@@ -296,7 +271,7 @@ contains
         integer, intent(in) :: centre(3) !! cell of the place
         real(dp), intent(in) :: place(3) !! in cells, whole numbers at their centres
         real(dp), intent(out) :: state(5)
-        integer :: i, j, k, cell(3), lo(3), hi(3)
+        integer :: i, j, k, cell(3), lo(3), hi(3), of
         real(dp) :: distance, least
 
         state = 0
@@ -311,7 +286,12 @@ contains
                     distance = sum(((cell - place)*air%dx)**2)
                     if (distance >= least) cycle
                     least = distance
-                    state = gas_of(air, wall, cell)
+                    of = wall_of(wall, cell)
+                    if (of > 0) then
+                        state = wall%met%state(1:5, of)
+                    else
+                        state = primitive_of(air, air%u(i, j, k, :))
+                    end if
                 end do
             end do
         end do

@@ -13,20 +13,17 @@ module brz_cut_loop_bodies
     use brz_air_boundary, only: beyond_wall
     use brz_air_grid, only: brick_of, cell_at, is_between, stage_t, variable_in_slot
     use brz_boundary_codes, only: bc_outflow
-    use brz_cut_cells, only: bare, node_grid_t, see_image
+    use brz_cut_cells, only: node_grid_t
+    use brz_cut_wall_loop_bodies, only: meet_wall, state_at
     use brz_face_flux, only: end_face, end_fraction
     use brz_fallback_loop_bodies, only: is_touched, mark_cell, neighbour, put_edge, to_lose, to_redo
-    use brz_gas, only: to_primitive
     use brz_kinds, only: int32, int64, int8, rk
     use brz_positivity, only: is_fixed, is_lowered, lost_mark
     use brz_scheme, only: first_order, max_var, mixture_gamma, muscl_cells, reach_of, scheme_t, &
         weno3_cells
-    use brz_wall_riemann, only: wall_star
     implicit none
     private
     public :: cut_rate, cut_join, cut_finish, cut_count_moving, cut_reach
-
-    real(rk), parameter :: least_weight = 0.25_rk !! of open faces away from a wall, for a slope
 
 contains
 
@@ -98,26 +95,6 @@ contains
         call push_wall(s, nodes, scheme, stage, ijk, beside, aperture, area, middle, v, master, &
                        cell, place, is_lowered(pass, mark), u, w, gamma, rate, push)
     end subroutine cut_rate
-
-    !> State of a cell of the air.
-    !@cuf attributes(host,device) &
-    pure subroutine state_at(nodes, scheme, at, u, gamma, w)
-        type(node_grid_t), intent(in) :: nodes
-        type(scheme_t), intent(in) :: scheme
-        integer(int64), intent(in) :: at !! place
-        real(rk), intent(in) :: u(*)
-        real(rk), intent(out) :: gamma
-        real(rk), intent(out) :: w(5) !! density, velocity, pressure
-        real(rk) :: q(5)
-        integer :: c
-
-        do c = 1, 5
-            q(c) = u(at + (c - 1)*nodes%grid%apart)
-        end do
-        gamma = scheme%gamma
-        if (nodes%grid%n_var == 6) gamma = mixture_gamma(scheme, u(at + 5*nodes%grid%apart)/q(1))
-        call to_primitive(gamma, q, w)
-    end subroutine state_at
 
     !> Flux through the low or high face of a listed cell, as if all of it were open.
     !@cuf attributes(host,device) &
@@ -295,23 +272,12 @@ contains
         logical, intent(in) :: lowered !! to first order
         real(rk), intent(in) :: u(*), w(5), gamma
         real(rk), intent(inout) :: rate(max_var, *), push(3, *)
-        real(rk) :: du, n(3), p_star, rho_star, share, whole
+        real(rk) :: n(3), p_star, rho_star, share, whole
         integer :: d
 
-        whole = 0
-        do d = 1, 3
-            whole = whole + area(d, s)**2
-        end do
-        whole = sqrt(whole)
-        if (whole <= bare*max(nodes%area(1), nodes%area(2), nodes%area(3))) return
-        du = 0
-        do d = 1, 3
-            n(d) = area(d, s)/whole
-            du = du + (w(1 + d) - v(d, s))*n(d)
-        end do
-        if (.not. (lowered .or. scheme%reconstruction == first_order)) du = speed_at_wall(s, du, &
-            n, nodes, scheme, ijk, beside, aperture, middle, master, cell, place, u)
-        call wall_star(gamma, w(1), w(5), du, p_star, rho_star)
+        call meet_wall(s, nodes, scheme, ijk, beside, aperture, area, middle, v, master, cell, &
+                       place, lowered, u, w, gamma, whole, n, p_star, rho_star)
+        if (.not. whole > 0) return
         do d = 1, 3
             if (nodes%n(d) == 1) cycle
             share = stage%push(d)/nodes%area(d) ! of the stage in the step [s]
@@ -320,77 +286,6 @@ contains
             rate(5, s) = rate(5, s) - p_star*v(d, s)*area(d, s)/nodes%volume
         end do
     end subroutine push_wall
-
-    !> Speed of approach at the wall: that of the cluster, carried on to the wall by the difference
-    !> across the faces of its master that lie away from the wall; between it and none.
-    !@cuf attributes(host,device) &
-    pure function speed_at_wall(s, du, n, nodes, scheme, ijk, beside, aperture, middle, master, &
-        cell, &
-                                place, u) result(speed)
-        integer, intent(in) :: s
-        real(rk), intent(in) :: du !! of the cluster
-        real(rk), intent(in) :: n(3) !! normal, out of the gas
-        type(node_grid_t), intent(in) :: nodes
-        type(scheme_t), intent(in) :: scheme
-        integer, intent(in) :: ijk(3)
-        integer(int32), intent(in) :: beside(6, *)
-        real(rk), intent(in) :: aperture(6, *), middle(3, *)
-        integer(int32), intent(in) :: master(*), cell(*), place(*)
-        real(rk), intent(in) :: u(*)
-        real(rk) :: speed
-        real(rk) :: away, far, from(5), gamma, here(5), long, near, wide, weight, weights
-        integer(int64) :: at
-        integer :: d, e, next, q, root(3), row, way
-        integer :: image
-
-        speed = du
-        q = master(s)
-        root = cell_at(nodes%n, cell(q))
-        call state_at(nodes, scheme, int(place(q), int64), u, gamma, here)
-        far = 0
-        long = 0
-        weights = 0
-        near = 0
-        away = 0
-        wide = 0
-        do d = 1, 3
-            if (nodes%n(d) == 1) cycle
-            near = near + here(1 + d)*n(d)
-            way = ijk(d) - root(d)
-            if (nodes%wraps(d)) way = modulo(way + nodes%cells(d)/2, nodes%cells(d)) &
-                                      - nodes%cells(d)/2
-            away = away + (way + middle(d, s) - 0.5_rk)*n(d)*real(nodes%dx(d), rk)
-            wide = wide + n(d)**2*real(nodes%dx(d), rk)
-            row = merge(2*d - 1, 2*d, n(d) > 0)
-            if (.not. aperture(row, q) > 0) cycle
-            next = beside(row, q)
-            if (next == 0) then
-                e = root(d) + merge(-1, 1, n(d) > 0)
-                call see_image(nodes, d, 0, e, image)
-                if (.not. nodes%wraps(d) .and. (e < 1 .or. e > nodes%cells(d))) cycle
-            else
-                if (master(next) == q) cycle
-                image = 0
-            end if
-            at = place(q)
-            if (image == 0) at = neighbour(d, merge(-1, 1, n(d) > 0), nodes%grid, at, root(d))
-            call state_at(nodes, scheme, at, u, gamma, from)
-            if (image > 0) from(1 + d) = -from(1 + d)
-            weight = n(d)**2
-            weights = weights + weight
-            long = long + weight*abs(n(d))*real(nodes%dx(d), rk)
-            do e = 1, 3
-                if (nodes%n(e) > 1) far = far + weight*from(1 + e)*n(e)
-            end do
-        end do
-        if (weights < least_weight) return
-        speed = du + (near - far/weights)*weights/long*min(max(away, 0.0_rk), wide)
-        if (du >= 0) then
-            speed = min(max(speed, 0.0_rk), du)
-        else
-            speed = max(min(speed, 0.0_rk), du)
-        end if
-    end function speed_at_wall
 
     !> Rate of a cluster, for all its members: from the rates of their contents; and the Euler step
     !> of its content, over the volume before, by which it is judged: what the walls sweep is no

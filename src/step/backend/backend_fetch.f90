@@ -6,6 +6,7 @@ module brz_backend_fetch
     use brz_backend, only: backend_t
     use brz_coupling_copy, only: fetch_coupling, note_coupling
     use brz_coupling_state, only: coupling_t
+    use brz_cut_meet_driver, only: meet_cut_walls
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: fetch_air, fetch_cells, fetch_walls, note_air
     use brz_gpu_air_sums, only: gpu_outflow
@@ -103,54 +104,57 @@ contains
         end if
     end subroutine fetch_followed
 
-    !> Bring the cells around some points to the host, for gauges, and where the walls are there.
+    !> Bring the cells around some points to the host, for gauges, and what stands at the walls of
+    !> bodies there.
     subroutine fetch_around(backend, points, air, wall, err)
         type(backend_t), intent(inout) :: backend
         real(dp), intent(in) :: points(:, :) !! (3, n) [m]
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
+        integer, allocatable :: cells(:, :)
 
-        if (backend%on_gpu) call fetch_from_gpu(backend, points, air, wall, err)
+        if ((backend%on_gpu .or. wall%present) .and. .not. failed(err)) then
+            call list_around(backend, points, air, wall, cells, err)
+            if (backend%on_gpu) call fetch_cells(air%device, cells, air, err)
+            if (wall%cells%present) call meet_cut_walls(air, cells, wall, err)
+        end if
         if (several(air%part%ranks) .and. .not. wall%present) call gather_cells(points, air)
     end subroutine fetch_around
 
-    !> The same from the GPU of this process to its host; where there are walls, the cells beside
-    !> those around a point, and where those that count hold solid, the gas in reach as well.
-    subroutine fetch_from_gpu(backend, points, air, wall, err)
+    !> Cells that count at some points: the eight around each and, where these hold solid, those in
+    !> reach. Where there are walls, of the points of this process alone: its host knows then which
+    !> of them hold solid.
+    subroutine list_around(backend, points, air, wall, cells, err)
         type(backend_t), intent(inout) :: backend
         real(dp), intent(in) :: points(:, :) !! (3, n) [m]
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
+        integer, allocatable, intent(out) :: cells(:, :) !! (3, n)
         type(error_t), intent(inout) :: err
         integer :: around(3, 0:7, size(points, 2)), of(size(points, 2)), g, n
-        integer, allocatable :: cells(:, :), far(:)
+        integer, allocatable :: far(:)
 
         n = 0
-        do g = 1, size(points, 2) ! with walls another process may have the point
-            if (backend%coupling_on_gpu .and. .not. has_point(air, points(:, g))) cycle
+        do g = 1, size(points, 2)
+            if (wall%present .and. .not. has_point(air, points(:, g))) cycle
             n = n + 1
             of(n) = g
             call cells_around(air, points(:, g), around(:, :, n))
             around(:, :, n) = around(:, :, n) - spread(air%before, 2, 8)
         end do
-        if (failed(err) .or. n == 0) return
         cells = reshape(around(:, :, :n), [3, 8*n])
-        if (backend%coupling_on_gpu) then
-            call add_blocks(air, around(:, 0, :n) - 1, around(:, 7, :n) + 1, cells)
-            call fetch_walls(air%device, cells, wall, err)
-            far = [integer ::]
-            do g = 1, n
-                if (.not. sees_gas(air, wall, points(:, of(g)))) far = [far, g]
-            end do
-            if (size(far) > 0) then
-                call add_blocks(air, around(:, 0, far) - probe_reach - 1, &
-                                around(:, 7, far) + probe_reach + 1, cells)
-                call fetch_walls(air%device, cells, wall, err)
-            end if
-        end if
-        call fetch_cells(air%device, cells, air, err)
-    end subroutine fetch_from_gpu
+        if (n == 0 .or. .not. wall%present) return
+        if (backend%on_gpu) call fetch_walls(air%device, cells, wall, err)
+        far = [integer ::]
+        do g = 1, n
+            if (.not. sees_gas(air, wall, points(:, of(g)))) far = [far, g]
+        end do
+        if (size(far) == 0) return
+        call add_blocks(air, around(:, 0, far) - probe_reach, around(:, 7, far) + probe_reach, &
+                        cells)
+        if (backend%on_gpu) call fetch_walls(air%device, cells, wall, err)
+    end subroutine list_around
 
     !> Add blocks of cells low..high, as far as the arrays have them, to a list.
     subroutine add_blocks(air, low, high, cells)
