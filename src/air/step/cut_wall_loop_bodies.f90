@@ -7,6 +7,7 @@ module brz_cut_wall_loop_bodies
     use brz_fallback_loop_bodies, only: neighbour
     use brz_gas, only: to_primitive
     use brz_kinds, only: int32, int64, rk
+    use brz_muscl, only: limited_slope
     use brz_scheme, only: first_order, mixture_gamma, scheme_t
     use brz_wall_riemann, only: wall_star
     implicit none
@@ -91,8 +92,10 @@ contains
         if (nodes%wraps(d)) way = modulo(way + nodes%cells(d)/2, nodes%cells(d)) - nodes%cells(d)/2
     end function way_to
 
-    !> Speed of approach at the wall: that of the cluster, carried on to the wall by the difference
-    !> across the faces of its master that lie away from the wall; between it and none.
+    !> Speed of approach at the wall: that of the cluster, carried on to the wall by a slope that is
+    !> limited between the difference across the faces of its master that lie away from the wall and
+    !> that which ends at rest there; times the ratio of the pressures on the two sides, lower over
+    !> higher, as at walls of the box: with the whole slope a shock that is reflected overshoots.
     !@cuf attributes(host,device) &
     pure function speed_at_wall(s, du, n, nodes, scheme, ijk, beside, aperture, middle, master, &
                                 cell, place, u) result(speed)
@@ -107,7 +110,7 @@ contains
         integer(int32), intent(in) :: master(*), cell(*), place(*)
         real(rk), intent(in) :: u(*)
         real(rk) :: speed
-        real(rk) :: away, far, from(5), gamma, here(5), long, near, wide
+        real(rk) :: away, far, from(5), gamma, here(5), long, near, press, share, wide
         real(rk) :: weight, weights
         integer(int64) :: at
         integer :: d, e, image, next, q, root(3), row
@@ -117,6 +120,7 @@ contains
         root = cell_at(nodes%n, cell(q))
         call state_at(nodes, scheme, int(place(q), int64), u, gamma, here)
         far = 0
+        press = 0
         long = 0
         weights = 0
         near = 0
@@ -145,18 +149,17 @@ contains
             if (image > 0) from(1 + d) = -from(1 + d)
             weight = n(d)**2
             weights = weights + weight
+            press = press + weight*from(5)
             long = long + weight*abs(n(d))*real(nodes%dx(d), rk)
             do e = 1, 3
                 if (nodes%n(e) > 1) far = far + weight*from(1 + e)*n(e)
             end do
         end do
-        if (weights < least_weight) return
-        speed = du + (near - far/weights)*weights/long*min(max(away, 0.0_rk), wide)
-        if (du >= 0) then
-            speed = min(max(speed, 0.0_rk), du)
-        else
-            speed = max(min(speed, 0.0_rk), du)
-        end if
+        away = min(away, wide)
+        if (weights < least_weight .or. .not. away > 0) return
+        press = press/weights
+        share = max(min(here(5), press), 0.0_rk)/max(here(5), press, tiny(share))
+        speed = du + share*away*limited_slope((near - far/weights)*weights/long, -du/away)
     end function speed_at_wall
 
     !> The mean state at the walls of the cluster of a cell, each by its area: density and pressure
