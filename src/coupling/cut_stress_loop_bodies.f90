@@ -191,7 +191,7 @@ contains
         real(rk), intent(in) :: fill(*), above(3, *), from_low(3, *), deeper(2, 3, *)
         real(dp), intent(in) :: mass(*), force(3, *)
         real(rk) :: line(2)
-        real(rk) :: between, half, load(2), over, own, slope, whole
+        real(rk) :: below, beyond(2), full, half, load(2), own, slope, whole
         integer :: k, s, side
 
         line(1) = deeper(1, d, pair(2))
@@ -203,22 +203,23 @@ contains
             if (.not. whole > 0) cycle
             load(1) = from_low(d, s)
             load(2) = real(force(d, s), rk) - from_low(d, s)
-            ! mass of the node above the particle: the mean of both sides of its layer, as
-            ! a body has it that goes on between the nodes; not more than there is
+            ! mass of the node above the particle and below it: the mean of both sides of its layer,
+            ! as a body has it that goes on between the nodes; not more than there is
+            below = whole - above(d, s)
+            full = whole/fill(s)*0.5_rk
             if (k == 1) then
-                between = min(above(d, s), whole/fill(s)*0.5_rk*((1 - at)**2 + half**2))
-                over = between/whole
+                beyond(1) = min(above(d, s), full*((1 - at)**2 + half**2))
+                beyond(2) = below + min(above(d, s), full*(1 - (1 - at)**2 - half**2))
                 own = layer*(1 - at)/fill(s)
                 slope = -layer**2/fill(s)
             else
-                between = min(whole - above(d, s), whole/fill(s)*0.5_rk*(1 - at**2 - half**2))
-                over = (above(d, s) + between)/whole
+                beyond(1) = above(d, s) + min(below, full*(1 - at**2 - half**2))
+                beyond(2) = min(below, full*(at**2 + half**2))
                 own = layer*at/fill(s)
                 slope = layer**2/fill(s)
             end if
-            line(1) = line(1) + over*load(1)
-            line(2) = line(2) + (1 - over)*load(2)
             do side = 1, 2
+                line(side) = line(side) + beyond(side)/whole*load(side)
                 line(side) = line(side) + (1 - borne(3 - side))*load(side) &
                              *(merge(slope, -slope, side == 1) + outermost*own)/4
             end do

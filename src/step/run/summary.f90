@@ -71,7 +71,7 @@ contains
     subroutine print_cut_cells(cells)
         type(cut_cells_t), intent(in) :: cells
 
-        write (output_unit, '(4(a, i0))') 'cut cells       ', cells%n, ' listed; so far ', &
+        write (output_unit, '(4(a, i0), a)') 'cut cells       ', cells%n, ' listed; so far ', &
             cells%slowed, ' walls slowed, ', cells%pockets, ' pockets shut, ', cells%absorbed, &
             ' cells that took their volume as it is'
     end subroutine print_cut_cells
