@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Cut cells: list, shapes, clusters and loads, the operations in their order.
+!> Cut cells, an embedded boundary: list, shapes, clusters and loads, the operations in their order.
 module brz_cut_driver
     use brz_air_grid, only: rest_t
     use brz_air_state, only: air_t
@@ -8,7 +8,7 @@ module brz_cut_driver
     use brz_cell_loops, only: for_each_count_kind, for_each_list_kind
     use brz_coupling_device, only: diag_at, diag_work
     use brz_coupling_state, only: coupling_t
-    use brz_cut_cells, only: at_corner, cut_cells_t
+    use brz_cut_cells, only: at_corner, cut_cells_t, layers_t
     use brz_cut_cluster_loops, only: for_each_cut_adopt, for_each_cut_follow, &
         for_each_cut_mean_state, for_each_cut_point, for_each_cut_weigh
     use brz_cut_curvature_loops, only: for_each_cut_find_normal, for_each_cut_find_sag, &
@@ -523,6 +523,7 @@ contains
         class(bodies_t), intent(inout) :: p !! its particles
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
+        type(layers_t) :: layers
         integer :: b
 
         if (.not. allocated(solid%face_stress)) return
@@ -532,12 +533,11 @@ contains
             do b = 1, size(solid%bodies)
                 if (.not. solid%bodies(b)%face_share > 0 .or. solid%bodies(b)%inactive) cycle
                 associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
+                    layers%apart = solid%bodies(b)%spacing/solid%bodies(b)%stretch
                     call for_each_cut_stress_particle(g, last - first + 1, first, nodes, &
-                        solid%bodies(b)%face_share, &
-                        solid%bodies(b)%spacing/solid%bodies(b)%stretch, p%wide, p%stride_d, &
-                        p%stride_t, l%home, l%cell, l%slot, p%x, l%fill, l%distance, l%mass, &
-                        l%above, l%force, l%from_low, l%faces, l%deeper, l%in_line, &
-                        p%face_stress, err)
+                        solid%bodies(b)%face_share, layers, p%wide, p%stride_d, p%stride_t, &
+                        l%home, l%cell, l%slot, p%x, l%fill, l%distance, l%mass, l%above, &
+                        l%force, l%from_low, l%faces, l%deeper, l%in_line, p%face_stress, err)
                 end associate
             end do
         end associate

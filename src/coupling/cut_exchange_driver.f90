@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Cut cells once bodies have moved: new shapes, and the gas that goes over to them.
+!> Cut cells once bodies have moved: new shapes, and the gas that goes over to them, from cells that
+!> are newly covered and into those that are freshly cleared.
 module brz_cut_exchange_driver
     use brz_air_state, only: air_t
     use brz_coupling_state, only: coupling_t

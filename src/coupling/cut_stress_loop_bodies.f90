@@ -14,7 +14,7 @@
 !> whose gradients are others.
 module brz_cut_stress_loop_bodies
     use brz_air_grid, only: cell_at
-    use brz_cut_cells, only: node_grid_t, see_image
+    use brz_cut_cells, only: layers_t, node_grid_t, see_image
     use brz_cut_list_loop_bodies, only: entry_at
     use brz_cut_node_loop_bodies, only: tent, way_from
     use brz_kinds, only: dp, int32, rk
@@ -76,14 +76,14 @@ contains
     !> Stress that a particle of a body lacks along each direction.
     !@loop_body
     !@cuf attributes(host,device) &
-    pure subroutine cut_stress_particle(t, first, nodes, share, apart, wide, stride_d, stride_t, &
+    pure subroutine cut_stress_particle(t, first, nodes, share, layers, wide, stride_d, stride_t, &
                                         home, cell, slot, x, fill, distance, mass, above, force, &
                                         from_low, faces, deeper, in_line, face_stress)
         integer, intent(in) :: t !! particles of the body
         integer, intent(in) :: first !! the first of them
         type(node_grid_t), intent(in) :: nodes
         real(rk), intent(in) :: share !! face_share of the body, for which the stress is kept
-        real(dp), intent(in) :: apart(3) !! distances of its layers [m]
+        type(layers_t), intent(in) :: layers !! of the body
         integer, intent(in) :: wide !! rows of x
         integer, intent(in) :: stride_d, stride_t
         !! distances in `face_stress` of components, of particles
@@ -113,7 +113,7 @@ contains
                     width(side) = 0
                 end do
                 at = real(way_from(nodes, d, ijk(d), y(d)), rk)
-                layer = real(apart(d)/nodes%dx(d), rk)
+                layer = real(layers%apart(d)/nodes%dx(d), rk)
                 do c = 0, 7
                     if (iand(c, 2**(d - 1)) /= 0) cycle
                     call line_of(nodes, ijk, d, c, slot, pair, low)

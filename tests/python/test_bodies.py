@@ -253,18 +253,21 @@ def test_a_fragment_at_6_km_per_s_keeps_its_energy(tmp_path):
 
 CHIP = """\
 &run title='chip', t_end=7e-5 /
-&air box=-0.01,0.02, -0.01,0.014, -0.01,0.014, cells=15,12,12 /
+&air box=-0.01,0.02, -0.01,0.014, -0.01,0.014, cells=30,24,24 /
 &material id='soft', model='linear_elastic', density=1000,
           youngs_modulus=5e8, poisson_ratio=0.3 /
-&body id='chip', box=0,0.003, 0,0.004, 0,0.004, spacing=1e-3, material='soft', velocity=100,0,0 /
-&body id='block', box=-0.006,-0.002, 0,0.004, 0,0.004, spacing=1e-3, material='soft' /
+&body id='chip', box=0,0.003, 0,0.004, 0,0.004, spacing=5e-4, material='soft', velocity=100,0,0 /
+&body id='block', box=-0.006,-0.002, 0,0.004, 0,0.004, spacing=5e-4, material='soft' /
 &solid region=-0.009,0.006, -1,1, -1,1, leave='remove' /
 &output dump_every=7e-5 /
 """
 
 
 def test_what_leaves_can_be_taken_out(tmp_path):
-    """The chip is gone, for neighbours and air, and a restart in between gives the same bytes."""
+    """The chip is gone, for neighbours and air, and a restart in between gives the same bytes.
+
+    With it goes the energy that the start in still air and its drag leave: of 1.2 %, 0.7 %, 0.5 %
+    of it with 2, 4, 8 cells across the chip at 50 us."""
     (tmp_path / "chip.nml").write_text(CHIP)
     done = run("run", "chip.nml", cwd=tmp_path)
     assert "they are taken out" in done.stderr
@@ -279,8 +282,8 @@ def test_what_leaves_can_be_taken_out(tmp_path):
     assert abs(energy["mass_error[-]"]).max() < 1e-12
     assert bodies["chip:kinetic[J]"][-1] == bodies["chip:kinetic[J]"][-2]
     with h5py.File(sorted(out.glob("solid_*.vtkhdf"))[-1]) as dump:
-        assert (dump["VTKHDF/PointData/fixed"][:] == 2).sum() == 48
-    for steps in (50, 70):
+        assert (dump["VTKHDF/PointData/fixed"][:] == 2).sum() == 6 * 8 * 8
+    for steps in (80, 120):
         run(
             "run",
             "chip.nml",

@@ -6,6 +6,7 @@ import os
 import re
 import resource
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -258,6 +259,39 @@ def test_what_is_estimated_is_what_is_built(bodies, tmp_path):
         assert needed[3] == solid[1]
         lists = (84 + 36) * 1e-6 * int(solid[1])  # and what the coupling keeps
         assert float(needed[2]) - lists == pytest.approx(float(solid[2]), rel=0.02)
+
+
+# The process has the peak of its parent for its own: a small one starts it.
+PEAK = """\
+import resource, subprocess, sys
+done = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL)
+print(1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
+sys.exit(done.returncode)
+"""
+
+
+def test_a_run_needs_no_more_memory_than_is_told(tmp_path):
+    """Most of it goes to the cells around a block, 34 of 40 along each axis: what is told is more
+    than is used, by the room that lists have for more, and no more than half as much again."""
+    deck = AIR.replace("20,20,20", "40,40,40").replace("1e-4", "1e-3, max_steps=2")
+    deck += STEEL + (
+        "&body id='p', box=0.06,0.34,0.06,0.34,0.06,0.34, spacing=0.007, material='s',\n"
+        "      formulation='rigid' /\n"
+    )
+    code, out, err = check(tmp_path, deck)
+    assert code == 0, err
+    told = float(re.search(r"about ([\d.]+) MB are needed at most", out)[1])
+    done = subprocess.run(
+        [sys.executable, "-c", PEAK, BINARY, "run", "case.nml", "--backend", "cpu"],
+        cwd=tmp_path,
+        capture_output=True,
+        timeout=60,
+        check=False,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    used = 1e-6 * float(done.stdout)
+    assert used < told < 1.5 * used
 
 
 def test_steps_without_end_are_counted(tmp_path):

@@ -15,14 +15,17 @@ module brz_cut_cells
     use brz_kinds, only: dp, int32, int64, int8, rk
     implicit none
     private
-    public :: cut_before_t, cut_cells_t, node_grid_t, near, bare, at_corner, n_met, see_image, &
-        of_plane, of_wall
+    public :: cut_before_t, cut_cells_t, layers_t, node_grid_t, near, bare, at_corner, n_met
+    public :: list_bytes, of_plane, of_wall, see_image
 
     integer, parameter :: near = 3 !! cells round one with particles that are listed
     integer, parameter :: at_corner = 7 !! sums of the particles of a cell at a corner of it
     integer, parameter :: of_plane = 1, of_wall = 2 !! images beyond a plane of symmetry, a wall
     real(rk), parameter :: bare = 1e-12_rk !! wall area that counts as none, in faces
     integer, parameter :: n_met = 10 !! numbers of what stands at the walls of a cell, see met_t
+    ! numbers that are kept of an entry, and what lists have room for beyond their entries
+    integer, parameter :: doubles = 38 + 8*at_corner, reals = 134, integers = 32
+    real(dp), parameter :: slack = 1.25_dp
 
     !> The grid of nodes, and how cells lie in memory.
     type :: node_grid_t
@@ -42,6 +45,11 @@ module brz_cut_cells
         real(rk) :: volume = 1 !! of a cell [m3]
         type(grid_t) :: grid !! of the air
     end type node_grid_t
+
+    !> Layers of the particles of a body.
+    type :: layers_t
+        real(dp) :: apart(3) = 1 !! distances of them along each direction [m]
+    end type layers_t
 
     !> The list before bodies moved, or what a checkpoint has of it.
     type :: cut_before_t
@@ -126,6 +134,13 @@ module brz_cut_cells
     end type cut_cells_t
 
 contains
+
+    !> Memory of a list [B].
+    pure real(dp) function list_bytes(n)
+        real(dp), intent(in) :: n !! entries
+
+        list_bytes = slack*n*(8*doubles + storage_size(1.0_rk)/8*reals + 4*integers)
+    end function list_bytes
 
     !> Index of a node, or a cell, along a direction or, beyond a plane of symmetry or a wall, of its
     !> image. What bodies carry is turned in the former. Beside a wall a body goes on as if it moved

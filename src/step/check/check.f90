@@ -14,6 +14,7 @@ module brz_check
     use brz_cohesive_setup, only: interface_name, zone_over_spacing
     use brz_conservation_audit, only: cohesive_totals
     use brz_crack_band, only: crack_report
+    use brz_cut_cells, only: list_bytes
     use brz_early, only: early_t
     use brz_errors, only: error_t, failed
     use brz_face_load, only: first_arrival
@@ -202,7 +203,8 @@ contains
         bytes = bytes + size(sim%coupling%wall%solid)
         if (sim%coupling%paper) return
         associate (cells => sim%coupling%wall%cells)
-            bytes = bytes + 4.0_dp*size(cells%slot) + size(cells%mark) + size(cells%next_mark)
+            bytes = bytes + 4.0_dp*size(cells%slot) + size(cells%mark) + size(cells%next_mark) &
+                    + list_bytes(real(cells%n, dp))
         end associate
     end function air_bytes
 

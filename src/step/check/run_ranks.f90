@@ -13,7 +13,7 @@ module brz_run_ranks
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int32, int64
     use brz_ranks, only: ranks_t
-    use brz_scene_size, only: scene_size_t
+    use brz_scene_size, only: cut_bytes, scene_size_t
     use brz_solid_arrays, only: bytes_per_particle
     use brz_ghost_wants, only: find_lowest, has_boxes, owners_of, is_needed, wants_of
     use brz_solid_regions, only: cut_regions, region_of
@@ -120,7 +120,8 @@ contains
                 '     process', r + 1, ': cells', boxes(r)%lo(1), '-', boxes(r)%hi(1), &
                 boxes(r)%lo(2), '-', boxes(r)%hi(2), boxes(r)%lo(3), '-', boxes(r)%hi(3), ', ', &
                 cells_of(boxes(r)), ' of its own, ', nint(around), ' of neighbours, ', &
-                1e-6_dp*size_of%air_bytes*(share + around)/size_of%cells, ' MB'
+                1e-6_dp*(size_of%air_bytes*(share + around)/size_of%cells &
+                         + cut_bytes(case, size_of, wide)), ' MB'
         end do
     end subroutine print_ranks
 

@@ -9,6 +9,7 @@ module brz_scene_size
     use brz_body_setup, only: geometry_of_solid
     use brz_boxes, only: cells_t, crowd_t
     use brz_case, only: air_case_t, case_t
+    use brz_cut_cells, only: list_bytes, near
     use brz_errors, only: error_t, exit_deck, exit_device, failed, raise
     use brz_formulation_names, only: form_rigid
     use brz_kinds, only: dp, int64, real32, rk
@@ -20,9 +21,10 @@ module brz_scene_size
     implicit none
     private
     public :: scene_size_t, size_scene, refuse_too_large, too_large_to_look, memory_text, count_text
+    public :: cut_bytes
 
     ! measured: lists of neighbours; what the set-up holds for a while; what steps of the air use
-    real(dp), parameter :: list_bytes = 84, set_up_bytes = 200 !! per particle
+    real(dp), parameter :: neighbour_bytes = 84, set_up_bytes = 200 !! per particle
     real(dp), parameter :: step_bytes = 33 !! per cell
     real(dp), parameter :: working = storage_size(1.0_rk)/8 !! of a number [B]
     integer, parameter :: few_particles = 64
@@ -35,7 +37,8 @@ module brz_scene_size
         real(dp), allocatable :: of_body(:) !! (bodies) particles
         type(crowd_t), allocatable :: crowds(:) !! (bodies) where these are in the air
         type(cells_t), allocatable :: boxes(:) !! (0:processes - 1) the air of each
-        real(dp) :: air_bytes = 0 !! with walls in it
+        real(dp) :: air_bytes = 0 !! with the maps of walls in it
+        real(dp) :: cut_bytes = 0 !! of the list of cells near bodies
         real(dp) :: solid_bytes = 0 !! with lists of neighbours
         real(dp) :: peak_bytes = 0 !! most that the program holds
         real(dp) :: dt_air = huge(1.0_dp), dt_solid = huge(1.0_dp) !! at the start, about [s]
@@ -55,8 +58,10 @@ contains
         if (case%air%present) call size_air(case, size_of)
         if (size(case%bodies) > 0) call size_bodies(case, size_of, err)
         if (.not. allocated(size_of%crowds)) allocate (size_of%crowds(0))
+        if (case%air%present) size_of%cut_bytes = cut_bytes(case, size_of, &
+                                                            cells_t([1, 1, 1], case%air%cells))
         size_of%peak_bytes = program_bytes + size_of%air_bytes + step_bytes*size_of%cells &
-                             + size_of%solid_bytes + set_up_bytes*size_of%particles
+                             + size_of%cut_bytes + size_of%solid_bytes + set_up_bytes*size_of%particles
     end subroutine size_scene
 
     !> Cells, with their ghosts and walls, and the time step of the gas as it is at the start.
@@ -119,7 +124,8 @@ contains
         if (size_of%particles > real(huge(1), dp)) call raise(err, exit_deck, 'about '// &
             to_text(anint(size_of%particles))//' particles are more than '//to_text(huge(1))// &
             ', the most that can be counted; use larger spacings')
-        size_of%solid_bytes = size_of%particles*(of_particle(case, size_of%solid) + list_bytes)
+        size_of%solid_bytes = size_of%particles*(of_particle(case, size_of%solid) + &
+                                                   neighbour_bytes)
         if (case%coupling%present) size_of%solid_bytes = size_of%solid_bytes &
                                                          + size_of%particles*(4*working + 3*4)
         associate (bodies => size_of%solid%bodies, materials => size_of%solid%materials)
@@ -141,6 +147,68 @@ contains
         crowd%hi = merge((shape%hi - air%lo)/(air%hi - air%lo)*air%cells, 1.0_dp, air%cells > 1)
         crowd%particles = particles
     end function crowd_in
+
+    !> Memory of the list of cut cells in a box of the air, about [B]: of the cells in and around the
+    !> boxes of bodies or, of hollow ones, of as many as a sheet of their particles has around it.
+    pure real(dp) function cut_bytes(case, size_of, box)
+        type(case_t), intent(in) :: case
+        type(scene_size_t), intent(in) :: size_of
+        type(cells_t), intent(in) :: box
+        real(dp), parameter :: rounding = 1e-6_dp !! of places, in cells
+        integer, parameter :: most = 100 !! blocks of cells along an axis
+        integer, parameter :: across = 2*near + 2 !! a sheet that lies in two layers of cells
+        integer :: a, b, blocks(3), dimensions, hi(3), k, lo(3), nodes(3)
+        integer, allocatable :: of_side(:, :) !! cells of the blocks along each axis
+        logical, allocatable :: near_one(:, :, :) !! (blocks)
+        real(dp) :: listed, sheet
+
+        cut_bytes = 0
+        if (.not. case%coupling%present .or. case%coupling%scheme == 'paper') return
+        dimensions = count(case%air%cells > 1)
+        nodes = box%hi - box%lo + 1 ! beyond the last cell lies a node
+        nodes = nodes + merge(1, 0, box%hi == case%air%cells .and. case%air%cells > 1)
+        blocks = min(nodes, most)
+        allocate (near_one(blocks(1), blocks(2), blocks(3)), source=.false.)
+        listed = 0
+        do b = 1, size(size_of%crowds)
+            lo = max(floor(size_of%crowds(b)%lo + rounding) - near - box%lo + 1, 0)
+            hi = min(ceiling(size_of%crowds(b)%hi - rounding) + near - box%lo + 1, nodes)
+            if (any(hi <= lo)) cycle
+            sheet = real(across, dp)**dimensions &
+                    + across*in_cells(b)**(dimensions - 1)*size_of%of_body(b)
+            if (sheet < product(real(hi - lo, dp))) then
+                listed = listed + sheet
+            else ! blocks that begin there
+                lo = (lo*blocks + nodes - 1)/nodes
+                hi = (hi*blocks + nodes - 1)/nodes
+                near_one(lo(1) + 1:hi(1), lo(2) + 1:hi(2), lo(3) + 1:hi(3)) = .true.
+            end if
+        end do
+        allocate (of_side(maxval(blocks), 3), source=0)
+        do a = 1, 3
+            of_side(:blocks(a), a) = [(k*nodes(a)/blocks(a) - (k - 1)*nodes(a)/blocks(a), &
+                                       k=1, blocks(a))]
+        end do
+        do a = 1, blocks(3)
+            do b = 1, blocks(2)
+                listed = listed + real(of_side(a, 3), dp)*of_side(b, 2) &
+                         *sum(of_side(:blocks(1), 1), mask=near_one(:, b, a))
+            end do
+        end do
+        cut_bytes = list_bytes(min(listed, product(real(nodes, dp))))
+
+    contains
+
+        !> Spacing of a body in the smallest side of a cell.
+        pure real(dp) function in_cells(b)
+            integer, intent(in) :: b
+
+            associate (air => case%air)
+                in_cells = size_of%solid%bodies(b)%spacing &
+                           /minval((air%hi - air%lo)/air%cells, air%cells > 1)
+            end associate
+        end function in_cells
+    end function cut_bytes
 
     !> Memory of a particle without lists: that of a few particles of the same bodies [B].
     real(dp) function of_particle(case, solid)
@@ -192,7 +260,8 @@ contains
         real(dp) :: free
 
         text = 'about '//bytes_text(size_of%peak_bytes)//' are needed at most'
-        if (size_of%cells > 0) text = text//', '//bytes_text(size_of%air_bytes)//' by '// &
+        if (size_of%cells > 0) text = text//', '//bytes_text(size_of%air_bytes + &
+                                                                 size_of%cut_bytes)//' by '// &
                                       count_text(size_of%cells)//' cells'
         if (size_of%particles > 0) text = text//', '//bytes_text(size_of%solid_bytes)//' by '// &
                                           count_text(size_of%particles)//' particles'
