@@ -110,8 +110,7 @@ contains
         call c%part%messages%send(c%part%out, c%part%in, from(:n), to(:n), err)
     end subroutine send_coupling_ghosts
 
-    !> Have copies of particles volumes? Cell stores are emptied before a GPU takes over: only cut
-    !> cells need them there.
+    !> Have copies of particles volumes? On a GPU only cut cells need them.
     pure logical function needs_volumes(c)
         type(coupling_t), intent(in) :: c
 

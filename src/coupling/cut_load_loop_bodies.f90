@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Loads by cut cells, the wall traction: a cell hands the force on its wall to its nodes in shares
-!> of the mass of the particles there, a node to its particles likewise. Both are gathers, and nothing
-!> is lost.
+!> of the mass of the particles there, a node to its particles likewise. Both are gathers, and
+!> nothing is lost.
 module brz_cut_load_loop_bodies
     use brz_air_grid, only: cell_at, is_between
     use brz_cut_cells, only: node_grid_t, of_plane, see_image

@@ -139,7 +139,8 @@ def test_errors_follow_from_the_columns(scene):
 
 ON_FLOOR = """\
 &run t_end=1e-3, symmetry='x', backend='cpu' /
-&air box=0,2,-2,2,0,2, cells=16,32,16, bc='symmetry','outflow','outflow','outflow','wall','outflow' /
+&air box=0,2,-2,2,0,2, cells=16,32,16,
+     bc='symmetry','outflow','outflow','outflow','wall','outflow' /
 &material id='m', model='linear_elastic', density=2000, youngs_modulus=2e10, poisson_ratio=0.2 /
 &body id='block', box=0,0.5, -0.5,0.5, 0,1, spacing=0.0625, material='m',
     formulation='rigid', fix='all' /

@@ -61,7 +61,8 @@ contains
         if (case%air%present) size_of%cut_bytes = cut_bytes(case, size_of, &
                                                             cells_t([1, 1, 1], case%air%cells))
         size_of%peak_bytes = program_bytes + size_of%air_bytes + step_bytes*size_of%cells &
-                             + size_of%cut_bytes + size_of%solid_bytes + set_up_bytes*size_of%particles
+                             + size_of%cut_bytes + size_of%solid_bytes &
+                             + set_up_bytes*size_of%particles
     end subroutine size_scene
 
     !> Cells, with their ghosts and walls, and the time step of the gas as it is at the start.
@@ -148,8 +149,9 @@ contains
         crowd%particles = particles
     end function crowd_in
 
-    !> Memory of the list of cut cells in a box of the air, about [B]: of the cells in and around the
-    !> boxes of bodies or, of hollow ones, of as many as a sheet of their particles has around it.
+    !> Memory of the list of cut cells in a box of the air, about [B]: of the cells in and around
+    !> the boxes of bodies or, of hollow ones, of as many as a sheet of their particles has around
+    !> it.
     pure real(dp) function cut_bytes(case, size_of, box)
         type(case_t), intent(in) :: case
         type(scene_size_t), intent(in) :: size_of
