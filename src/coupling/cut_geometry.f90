@@ -18,8 +18,8 @@ module brz_cut_geometry
 contains
 
     !> Signed distance of a node to the wall, + in the gas, from the fill by tent weights: exact for
-    !> a plane along the grid. Within -1..1. Of a node deep in a body or in the gas, whose fill is off
-    !> by rounding, it is exactly that: the root would make 1e-8 of 1e-16.
+    !> a plane along the grid. Within -1..1. Of a node deep in a body or in the gas, whose fill is
+    !> off by rounding, it is exactly that: the root would make 1e-8 of 1e-16.
     !@cuf attributes(host,device) &
     pure function distance_of_fill(fill) result(distance)
         real(rk), intent(in) :: fill !! 0: gas, 1 or more: solid

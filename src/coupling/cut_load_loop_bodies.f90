@@ -104,7 +104,9 @@ contains
                     end do
                     b = entry_at(nodes, to(1), to(2), to(3), slot)
                     if (b == 0) cycle
-                    if (abs(impulse(1, b)) + abs(impulse(2, b)) + abs(impulse(3, b)) <= 0) cycle
+                    ! a cell that is held for a step brings no impulse, but is not the reference
+                    if (.not. abs(impulse(1, b)) + abs(impulse(2, b)) + abs(impulse(3, b)) &
+                        + abs(area(1, b)) + abs(area(2, b)) + abs(area(3, b)) > 0) cycle
                     share = 0
                     if (bearing(b) > 0 .and. own) share = mass(s)/bearing(b)
                     if (bearing(b) < 0) share = -mass(s)/bearing(b)
