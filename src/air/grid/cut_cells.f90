@@ -143,8 +143,8 @@ contains
     end function list_bytes
 
     !> Index of a node, or a cell, along a direction or, beyond a plane of symmetry or a wall, of
-    !> its image. What bodies carry is turned in the former. Beside a wall a body goes on as if it moved
-    !> along, so that it bears its load evenly and the wall takes none of it.
+    !> its image. What bodies carry is turned in the former. Beside a wall a body goes on as if it
+    !> moved along, so that it bears its load evenly and the wall takes none of it.
     !@cuf attributes(host,device) &
     pure subroutine see_image(nodes, d, last, index, image)
         type(node_grid_t), intent(in) :: nodes
