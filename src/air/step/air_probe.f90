@@ -49,7 +49,7 @@ contains
                 total = total + weight
             end do
         else
-            call mix_cells(air, wall, low, x, state, total)
+            call mix_cells(air, wall, point, low, x, state, total)
         end if
         cell = low + nint(x) - air%before ! nearest
         if (total > 0) then
@@ -205,17 +205,20 @@ contains
     !>
     !> Those that touch a wall count with the state there. Where the point is within half a cell of
     !> that the others do not count, and from there to a whole cell by part: a wave is at them some
-    !> time before or after it is at the wall, which in a history of the pressure is much.
-    subroutine mix_cells(air, wall, low, x, state, total)
+    !> time before or after it is at the wall, which in a history of the pressure is much. Between a
+    !> plane of symmetry and the cell beside it the image of that cell counts as well.
+    subroutine mix_cells(air, wall, point, low, x, state, total)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
+        real(dp), intent(in) :: point(3) !! [m]
         integer, intent(in) :: low(3)
         real(dp), intent(in) :: x(3) !! see place_between
         real(dp), intent(out) :: state(5)
         real(dp), intent(out) :: total !! sum of the weights; 0: no gas
-        real(dp) :: away, gas(5), part, seen, weight
+        real(dp) :: away, gas(5), part, seen, weight, y(3)
         integer :: cell(3), k, m
 
+        y = x + shift_by_image(air, point)
         state = 0
         total = 0
         gas = 0
@@ -234,7 +237,7 @@ contains
                 state = state + weight*wall%met%state(1:5, k)
                 total = total + weight
                 away = away + weight*(wall%met%state(7, k) &
-                                      - sum(wall%met%state(8:10, k)*(x - corner(m))))
+                                      - sum(wall%met%state(8:10, k)*(y - corner(m))))
             end if
         end do
         part = 1
@@ -242,6 +245,27 @@ contains
         state = state + part*gas
         total = total + part*seen
     end subroutine mix_cells
+
+    !> Where the wall beside the last cell before a plane of symmetry, and that beside its image, are
+    !> on the mean from a point between the two, as seen from the centre of the cell [cells].
+    pure function shift_by_image(air, point) result(shift)
+        type(air_t), intent(in) :: air
+        real(dp), intent(in) :: point(3) !! [m]
+        real(dp) :: shift(3)
+        real(dp) :: beyond
+        integer :: d, s
+
+        shift = 0
+        do d = 1, 3
+            do s = 1, 2
+                if (air%whole(d) == 1 .or. air%outer(s, d) /= bc_symmetry) cycle
+                beyond = (point(d) - air%lo(d))/air%dx(d) - air%whole(d) + 0.5_dp
+                if (s == 1) beyond = 0.5_dp - (point(d) - air%lo(d))/air%dx(d)
+                beyond = min(beyond, 0.5_dp)
+                if (beyond > 0) shift(d) = (2*s - 3)*2*beyond*(1 - beyond)
+            end do
+        end do
+    end function shift_by_image
 
     !> Primitive state of a cell.
     pure function primitive_of(air, u) result(state)
