@@ -246,8 +246,8 @@ contains
         total = total + part*seen
     end subroutine mix_cells
 
-    !> Where the wall beside the last cell before a plane of symmetry, and that beside its image, are
-    !> on the mean from a point between the two, as seen from the centre of the cell [cells].
+    !> Where the wall beside the last cell before a plane of symmetry, and that beside its image,
+    !> are on the mean from a point between the two, as seen from the centre of the cell [cells].
     pure function shift_by_image(air, point) result(shift)
         type(air_t), intent(in) :: air
         real(dp), intent(in) :: point(3) !! [m]
