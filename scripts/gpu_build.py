@@ -48,7 +48,7 @@ STACK = {
     "solid_rows": 40,
     "solid_forces_wall": 72,
     "solid_forces_plate": 72,
-    "solid_moments_tilted": 16,
+    "solid_moments_tilted": 24,
     "solid_bond_moments": 80,
     "each_pull_links": 64,
 }
