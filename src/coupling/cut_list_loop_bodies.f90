@@ -11,7 +11,7 @@ module brz_cut_list_loop_bodies
     private
     public :: cut_cell_of, cut_mark, cut_mark_listed, cut_mark_unsettled, cut_unite_marks, &
         cut_widen, cut_set_slot, cut_find_beside, cut_find_home, cut_set_near
-    public :: entry_at, nodes_around, wrapped
+    public :: entry_at, nodes_around
 
     real(rk), parameter :: settled = 64*epsilon(1.0_rk) !! of a cell, in which gas may be off it
 

@@ -11,6 +11,7 @@ module brz_cut_load_loop_bodies
     implicit none
     private
     public :: cut_find_bearing, cut_bear, cut_load_particle, cut_record, cut_feel
+    public :: find_share
 
 contains
 
@@ -135,6 +136,32 @@ contains
         end do
     end subroutine cut_bear
 
+    !> Share that a particle has in what a node at a corner of its cell hands on.
+    !@cuf attributes(host,device) &
+    pure subroutine find_share(nodes, ijk, corner, x, mass, slot, node_mass, s, share)
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: ijk(3), corner !! its cell; 0 to 7: a bit for each direction
+        real(dp), intent(in) :: x(3) !! [m]
+        real(rk), intent(in) :: mass !! of the particle [kg]
+        integer(int32), intent(in) :: slot(*)
+        real(dp), intent(in) :: node_mass(*) !! [kg]
+        integer, intent(out) :: s !! entry of the node; 0: it is not listed, or bare
+        real(dp), intent(out) :: share
+        integer :: at(3), d
+
+        share = 0
+        do d = 1, 3
+            at(d) = ijk(d) + iand(ishft(corner, 1 - d), 1)
+        end do
+        s = entry_at(nodes, at(1), at(2), at(3), slot)
+        if (s == 0) return
+        if (node_mass(s) > 0) then
+            share = mass*tent(nodes, at, x)/node_mass(s)
+        else
+            s = 0
+        end if
+    end subroutine find_share
+
     !> Load of a particle: its shares of the forces on the nodes of its cell.
     !@loop_body
     !@cuf attributes(host,device) &
@@ -150,7 +177,7 @@ contains
         real(dp), intent(in) :: node_mass(*), force(3, *)
         real(rk), intent(inout) :: load(*) !! [N]
         real(dp) :: share, sums(3), y(3)
-        integer :: at(3), c, d, ijk(3), s
+        integer :: c, d, ijk(3), s
 
         do d = 1, 3
             sums(d) = 0
@@ -159,13 +186,8 @@ contains
         if (home(p) > 0) then
             ijk = cell_at(nodes%n, cell(home(p)))
             do c = 0, 7
-                do d = 1, 3
-                    at(d) = ijk(d) + iand(ishft(c, 1 - d), 1)
-                end do
-                s = entry_at(nodes, at(1), at(2), at(3), slot)
+                call find_share(nodes, ijk, c, y, mass(p), slot, node_mass, s, share)
                 if (s == 0) cycle
-                if (.not. node_mass(s) > 0) cycle
-                share = mass(p)*tent(nodes, at, y)/node_mass(s)
                 do d = 1, 3
                     sums(d) = sums(d) + share*force(d, s)
                 end do

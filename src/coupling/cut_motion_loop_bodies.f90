@@ -5,6 +5,7 @@ module brz_cut_motion_loop_bodies
     use brz_air_grid, only: cell_at, is_between
     use brz_cut_cells, only: bare, node_grid_t, of_plane, see_image
     use brz_cut_list_loop_bodies, only: entry_at, nodes_around
+    use brz_cut_load_loop_bodies, only: find_share
     use brz_cut_node_loop_bodies, only: tent, turns_to
     use brz_driven_body_rules, only: add_force, add_yield, carried_velocity, driven_body_at, &
         carries_all, driven_body_t, is_carried
@@ -358,7 +359,7 @@ contains
         real(dp), intent(in) :: moment(3, *) !! about the low corner of the grid [N m]
         real(dp), intent(inout) :: push(6) !@exact force [N], torque [N m]
         real(dp) :: arm(3), share, y(3)
-        integer :: at(3), c, d, i, ijk(3), j, k, node(3), part, s
+        integer :: c, d, i, ijk(3), j, k, node(3), part, s
 
         part = first - 1 + p
         if (home(part) == 0) return
@@ -369,13 +370,8 @@ contains
             y(d) = x(d, part)
         end do
         do c = 0, 7
-            do d = 1, 3
-                at(d) = ijk(d) + iand(ishft(c, 1 - d), 1)
-            end do
-            s = entry_at(nodes, at(1), at(2), at(3), slots)
+            call find_share(nodes, ijk, c, y, mass(part), slots, node_mass, s, share)
             if (s == 0) cycle
-            if (.not. node_mass(s) > 0) cycle
-            share = mass(part)*tent(nodes, at, y)/node_mass(s)
             node = cell_at(nodes%n, cell(s))
             do d = 1, 3 ! from the low corner of the grid, or its image, to the centre
                 arm(d) = driven%centre(d) - nodes%lo(d) &

@@ -6,7 +6,7 @@
 module brz_cut_push_loop_bodies
     use brz_air_grid, only: cell_at
     use brz_cut_cells, only: at_corner, node_grid_t
-    use brz_cut_list_loop_bodies, only: entry_at
+    use brz_cut_load_loop_bodies, only: find_share
     use brz_cut_node_loop_bodies, only: cell_below, row_beyond, see_images, tent
     use brz_driven_body_rules, only: carries_all, driven_body_at, driven_body_t
     use brz_kinds, only: dp, int32, rk
@@ -44,7 +44,7 @@ contains
         real(rk), intent(inout) :: change(3, *) !! [kg m/s]
         real(dp) :: share, y(3)
         real(rk) :: all_force, gives(3), pushed(3)
-        integer :: at(3), c, d, ijk(3), s
+        integer :: c, d, ijk(3), s
 
         do d = 1, 3
             change(d, p) = 0
@@ -56,13 +56,8 @@ contains
         if (driven(driven_body_at(bodies, driven, p))%carries == carries_all) return
         ijk = cell_at(nodes%n, cell(home(p)))
         do c = 0, 7
-            do d = 1, 3
-                at(d) = ijk(d) + iand(ishft(c, 1 - d), 1)
-            end do
-            s = entry_at(nodes, at(1), at(2), at(3), slot)
+            call find_share(nodes, ijk, c, y, mass(p), slot, node_mass, s, share)
             if (s == 0) cycle
-            if (.not. node_mass(s) > 0) cycle
-            share = mass(p)*tent(nodes, at, y)/node_mass(s)
             do d = 1, 3
                 pushed(d) = pushed(d) + real(share*force(d, s), rk)
                 gives(d) = gives(d) + real(share*impedance(d, s), rk)

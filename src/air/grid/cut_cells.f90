@@ -16,7 +16,7 @@ module brz_cut_cells
     implicit none
     private
     public :: cut_before_t, cut_cells_t, layers_t, node_grid_t, near, bare, at_corner, n_met
-    public :: list_bytes, of_plane, of_wall, see_image
+    public :: list_bytes, of_plane, see_image
 
     integer, parameter :: near = 3 !! cells round one with particles that are listed
     integer, parameter :: at_corner = 7 !! sums of the particles of a cell at a corner of it
