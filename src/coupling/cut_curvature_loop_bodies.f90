@@ -4,7 +4,8 @@
 !> of a square facet, or a chord): the distance of a node to the wall makes up for both.
 !>
 !> Curvature is the divergence of the normal of the fill, smoothed by binomial weights. It is none
-!> for planes, and where a body is so thin or small that the smoothed fill has no gradient.
+!> for planes, and where a body is so thin or small that the smoothed fill has no gradient. Its part
+!> along the flow makes the pressure at a curved wall another one than in the cell.
 module brz_cut_curvature_loop_bodies
     use brz_air_grid, only: cell_at
     use brz_cut_cells, only: node_grid_t
@@ -12,7 +13,7 @@ module brz_cut_curvature_loop_bodies
     use brz_kinds, only: int32, rk
     implicit none
     private
-    public :: cut_smooth_fill, cut_find_normal, cut_find_sag
+    public :: cut_smooth_fill, cut_find_normal, cut_find_sag, cut_find_curvature
 
     real(rk), parameter :: least_slope = 0.1_rk !! of a fill that has a direction [1/cell]
     real(rk), parameter :: sag_share = 1/6.0_rk !! of a surface, over its curvature, in cells
@@ -132,6 +133,68 @@ contains
         end do
         sag(s) = max(-most_sag, min(most_sag, sag_share*curvature))
     end subroutine cut_find_sag
+
+    !> Curvature of the wall in a cell, the gradient of its normals: u^T C u is u^2/R along u, > 0
+    !> where the body is convex. In order xx, yy, zz, xy, yz, zx.
+    !@loop_body if(n >= worth_threads) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine cut_find_curvature(s, nodes, cell, slot, normal, curvature)
+        integer, intent(in) :: s !! entries
+        type(node_grid_t), intent(in) :: nodes
+        integer(int32), intent(in) :: cell(*), slot(*)
+        real(rk), intent(in) :: normal(3, *) !! of nodes, in cells
+        real(rk), intent(inout) :: curvature(6, *) !! [1/m]
+        real(rk) :: gradient(3, 3), n(3), sums(3, 2, 3), whole
+        integer :: b, c, d, e, ijk(3), seen(2, 3), side, to(3)
+        logical :: here
+
+        do d = 1, 3
+            curvature(d, s) = 0
+            curvature(3 + d, s) = 0
+            do side = 1, 2
+                seen(side, d) = 0
+                do e = 1, 3
+                    sums(e, side, d) = 0
+                end do
+            end do
+        end do
+        ijk = cell_at(nodes%n, cell(s))
+        do c = 0, 7
+            here = .true.
+            do d = 1, 3
+                to(d) = ijk(d) + iand(ishft(c, 1 - d), 1)
+                here = here .and. (nodes%n(d) > 1 .or. to(d) == ijk(d))
+            end do
+            if (.not. here) cycle
+            b = entry_at(nodes, to(1), to(2), to(3), slot)
+            if (b == 0) cycle
+            if (.not. has_normal(b, normal)) cycle
+            whole = 0
+            do d = 1, 3
+                n(d) = normal(d, b)/real(nodes%dx(d), rk)
+                whole = whole + n(d)**2
+            end do
+            do d = 1, 3
+                side = 1 + iand(ishft(c, 1 - d), 1)
+                seen(side, d) = seen(side, d) + 1
+                do e = 1, 3
+                    sums(e, side, d) = sums(e, side, d) + n(e)/sqrt(whole)
+                end do
+            end do
+        end do
+        do d = 1, 3
+            do e = 1, 3
+                gradient(e, d) = 0
+                if (seen(1, d) > 0 .and. seen(2, d) > 0) gradient(e, d) = &
+                    (sums(e, 2, d)/seen(2, d) - sums(e, 1, d)/seen(1, d))/real(nodes%dx(d), rk)
+            end do
+        end do
+        do d = 1, 3
+            e = 1 + mod(d, 3)
+            curvature(d, s) = gradient(d, d)
+            curvature(3 + d, s) = (gradient(e, d) + gradient(d, e))/2
+        end do
+    end subroutine cut_find_curvature
 
     !@cuf attributes(host,device) &
     pure function has_normal(s, normal) result(has)

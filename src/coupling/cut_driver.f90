@@ -11,8 +11,8 @@ module brz_cut_driver
     use brz_cut_cells, only: at_corner, cut_cells_t, layers_t
     use brz_cut_cluster_loops, only: for_each_cut_adopt, for_each_cut_follow, &
         for_each_cut_mean_state, for_each_cut_point, for_each_cut_weigh
-    use brz_cut_curvature_loops, only: for_each_cut_find_normal, for_each_cut_find_sag, &
-        for_each_cut_smooth_fill
+    use brz_cut_curvature_loops, only: for_each_cut_find_curvature, for_each_cut_find_normal, &
+        for_each_cut_find_sag, for_each_cut_smooth_fill
     use brz_cut_motion_loops, only: for_each_cut_find_carrier, for_each_cut_find_push, &
         for_each_cut_sum_load, &
         for_each_cut_sum_push, for_each_cut_sweep, for_each_cut_tame, for_each_cut_wall_velocity
@@ -185,6 +185,7 @@ contains
         call at_least(on_gpu, cells%next_smooth, n, err)
         call at_least(on_gpu, cells%normal, 3, n, err)
         call at_least(on_gpu, cells%sag, n, err)
+        call at_least(on_gpu, cells%curvature, 6, n, err)
         call at_least(on_gpu, cells%octants, 8, n, err)
         call at_least(on_gpu, cells%distance, n, err)
         call at_least(on_gpu, cells%thickness, n, err)
@@ -233,7 +234,7 @@ contains
             call for_each_cut_find_ball(g, p%n, nodes, p%stride_w, l%home, l%cell, l%slot, &
                                         p%volume, l%thickness, l%radius, err)
             call for_each_cut_find_largest(g, l%n, l%bin_ends, l%binned, l%radius, l%ball, err)
-            call find_sags(g, l, err)
+            call find_curvature(g, l, err)
             call for_each_cut_search_octant(g, 8*l%n, nodes, p%wide, l%cell, l%slot, l%bin_ends, &
                 l%binned, p%x, l%radius, l%ball, l%fill, l%sag, l%octants, err)
             call for_each_cut_find_distance(g, l%n, l%octants, l%distance, err)
@@ -246,8 +247,8 @@ contains
         call open_faces(c, 1, err)
     end subroutine find_shapes
 
-    !> How far facets lie inside curved walls, from the fill of the nodes.
-    subroutine find_sags(on_gpu, l, err)
+    !> Curvature of walls, and how far facets lie inside them, from the fill of the nodes.
+    subroutine find_curvature(on_gpu, l, err)
         logical, intent(in) :: on_gpu
         type(cut_cells_t), intent(inout) :: l
         type(error_t), intent(inout) :: err
@@ -260,7 +261,9 @@ contains
                                       l%smooth, err)
         call for_each_cut_find_normal(on_gpu, l%n, l%nodes, l%cell, l%slot, l%smooth, l%normal, err)
         call for_each_cut_find_sag(on_gpu, l%n, l%nodes, l%cell, l%slot, l%normal, l%sag, err)
-    end subroutine find_sags
+        call for_each_cut_find_curvature(on_gpu, l%n, l%nodes, l%cell, l%slot, l%normal, &
+                                         l%curvature, err)
+    end subroutine find_curvature
 
     !> Open shares and wall areas of cells that are shut or not.
     subroutine open_faces(c, seal, err)

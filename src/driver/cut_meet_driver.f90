@@ -29,8 +29,8 @@ contains
                           err)
             call at_least(air%on_gpu, met%state, n_met, met%n, err)
             call for_each_cut_meet(air%on_gpu, met%n, c%nodes, air%scheme, met%number, c%slot, &
-                c%cell, c%place, c%shut, c%beside, c%aperture, c%area, c%middle, c%v, c%master, &
-                c%ends, c%member, air%u, met%state, err)
+                c%cell, c%place, c%shut, c%beside, c%aperture, c%area, c%middle, c%curvature, &
+                c%v, c%master, c%ends, c%member, air%u, met%state, err)
             if (air%on_gpu) call update_host(met%state, err)
         end associate
     end subroutine meet_cut_walls

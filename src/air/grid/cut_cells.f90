@@ -24,7 +24,7 @@ module brz_cut_cells
     real(rk), parameter :: bare = 1e-12_rk !! wall area that counts as none, in faces
     integer, parameter :: n_met = 10 !! numbers of what stands at the walls of a cell, see met_t
     ! numbers that are kept of an entry, and what lists have room for beyond their entries
-    integer, parameter :: doubles = 38 + 8*at_corner, reals = 134, integers = 32
+    integer, parameter :: doubles = 38 + 8*at_corner, reals = 140, integers = 32
     real(dp), parameter :: slack = 1.25_dp
 
     !> The grid of nodes, and how cells lie in memory.
@@ -99,6 +99,7 @@ module brz_cut_cells
         integer(int32), allocatable :: shut(:) !! (n) 1: no face of it is open
         real(rk), allocatable :: aperture(:, :) !! (6, n) open share of each face
         real(rk), allocatable :: middle(:, :) !! (3, n) of the wall, from the low corner
+        real(rk), allocatable :: curvature(:, :) !! (6, n) of the wall [1/m], see cut_find_curvature
         real(rk), allocatable :: area(:, :) !! (3, n) of the wall, out of the gas [m2]
         real(rk), allocatable :: v(:, :) !! (3, n) velocity of the wall [m/s]
         real(rk), allocatable :: press(:, :) !! (3, n) force on the wall if it keeps its motion [N]

@@ -32,7 +32,7 @@ contains
     !@cuf attributes(host,device) &
     pure subroutine cut_rate(s, nodes, scheme, stage, pass, cell, place, beside, shut, aperture, &
         area, &
-                             middle, v, master, bad, u, edge, rate, push)
+                             middle, curvature, v, master, bad, u, edge, rate, push)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
         type(scheme_t), intent(in) :: scheme
@@ -40,7 +40,7 @@ contains
         integer, intent(in) :: pass !! marks of `bad` up to this one count
         integer(int32), intent(in) :: cell(*), place(*), beside(6, *)
         integer(int32), intent(in) :: shut(*)
-        real(rk), intent(in) :: aperture(6, *), area(3, *), middle(3, *), v(3, *)
+        real(rk), intent(in) :: aperture(6, *), area(3, *), middle(3, *), curvature(6, *), v(3, *)
         integer(int32), intent(in) :: master(*)
         integer(int8), intent(in) :: bad(*)
         real(rk), intent(in) :: u(*)
@@ -92,8 +92,8 @@ contains
             end do
         end do
         if (held) return
-        call push_wall(s, nodes, scheme, stage, ijk, beside, aperture, area, middle, v, master, &
-                       cell, place, is_lowered(pass, mark), u, w, gamma, rate, push)
+        call push_wall(s, nodes, scheme, stage, ijk, beside, aperture, area, middle, curvature, v, &
+                       master, cell, place, is_lowered(pass, mark), u, w, gamma, rate, push)
     end subroutine cut_rate
 
     !> Flux through the low or high face of a listed cell, as if all of it were open.
@@ -259,15 +259,15 @@ contains
 
     !> Pressure at the wall on its area, and its work.
     !@cuf attributes(host,device) &
-    pure subroutine push_wall(s, nodes, scheme, stage, ijk, beside, aperture, area, middle, v, &
-                              master, cell, place, lowered, u, w, gamma, rate, push)
+    pure subroutine push_wall(s, nodes, scheme, stage, ijk, beside, aperture, area, middle, &
+                              curvature, v, master, cell, place, lowered, u, w, gamma, rate, push)
         integer, intent(in) :: s
         type(node_grid_t), intent(in) :: nodes
         type(scheme_t), intent(in) :: scheme
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: ijk(3)
         integer(int32), intent(in) :: beside(6, *)
-        real(rk), intent(in) :: aperture(6, *), area(3, *), middle(3, *), v(3, *)
+        real(rk), intent(in) :: aperture(6, *), area(3, *), middle(3, *), curvature(6, *), v(3, *)
         integer(int32), intent(in) :: master(*), cell(*), place(*)
         logical, intent(in) :: lowered !! to first order
         real(rk), intent(in) :: u(*), w(5), gamma
@@ -275,8 +275,8 @@ contains
         real(rk) :: n(3), p_star, rho_star, share, whole
         integer :: d
 
-        call meet_wall(s, nodes, scheme, ijk, beside, aperture, area, middle, v, master, cell, &
-                       place, lowered, u, w, gamma, whole, n, p_star, rho_star)
+        call meet_wall(s, nodes, scheme, ijk, beside, aperture, area, middle, curvature, v, &
+                       master, cell, place, lowered, u, w, gamma, whole, n, p_star, rho_star)
         if (.not. whole > 0) return
         do d = 1, 3
             if (nodes%n(d) == 1) cycle

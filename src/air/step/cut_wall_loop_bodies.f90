@@ -38,16 +38,22 @@ contains
         call to_primitive(gamma, q, w)
     end subroutine state_at
 
-    !> Density and pressure at the wall of a listed cell, behind the wave that the wall sends.
+    !> Density and pressure at the wall of a listed cell, behind the wave that the wall sends. The
+    !> speed of approach is that of the cluster, carried on to the wall by a slope that is limited
+    !> between the one towards it and that which ends at rest there. Gas that runs along a curve is
+    !> held on it by dp/dn = rho u^2/R: its pressure is lower at a convex wall than in the cell.
+    !>
+    !> Source of the latter: Dadone, Grossman 1994 (AIAA J. 32, 285), there for states beyond it.
     !@cuf attributes(host,device) &
-    pure subroutine meet_wall(s, nodes, scheme, ijk, beside, aperture, area, middle, v, master, &
-                              cell, place, lowered, u, w, gamma, whole, n, p_star, rho_star)
+    pure subroutine meet_wall(s, nodes, scheme, ijk, beside, aperture, area, middle, curvature, v, &
+                              master, cell, place, lowered, u, w, gamma, whole, n, p_star, &
+                              rho_star)
         integer, intent(in) :: s !! entry
         type(node_grid_t), intent(in) :: nodes
         type(scheme_t), intent(in) :: scheme
         integer, intent(in) :: ijk(3) !! its cell
         integer(int32), intent(in) :: beside(6, *)
-        real(rk), intent(in) :: aperture(6, *), area(3, *), middle(3, *), v(3, *)
+        real(rk), intent(in) :: aperture(6, *), area(3, *), middle(3, *), curvature(6, *), v(3, *)
         integer(int32), intent(in) :: master(*), cell(*), place(*)
         logical, intent(in) :: lowered !! to first order
         real(rk), intent(in) :: u(*)
@@ -55,8 +61,8 @@ contains
         real(rk), intent(out) :: whole !! area of the wall [m2]; 0: there is none
         real(rk), intent(out) :: n(3) !! normal, out of the gas
         real(rk), intent(out) :: p_star, rho_star
-        real(rk) :: du
-        integer :: d
+        real(rk) :: along(3), away, drop, du, share, slope
+        integer :: d, root(3)
 
         whole = 0
         p_star = w(5)
@@ -75,10 +81,65 @@ contains
             n(d) = area(d, s)/whole
             du = du + (w(1 + d) - v(d, s))*n(d)
         end do
-        if (.not. (lowered .or. scheme%reconstruction == first_order)) du = speed_at_wall(s, du, &
-            n, nodes, scheme, ijk, beside, aperture, middle, master, cell, place, u)
+        if (lowered .or. scheme%reconstruction == first_order) then
+            call wall_star(gamma, w(1), w(5), du, p_star, rho_star)
+            return
+        end if
+        root = cell_at(nodes%n, cell(master(s)))
+        away = distance_to_wall(s, n, nodes, root, ijk, middle)
+        if (away > 0) call look_away(master(s), n, nodes, scheme, root, beside, aperture, master, &
+                                     place, u, share, slope)
+        drop = 0
+        if (away > 0) then
+            do d = 1, 3
+                along(d) = w(1 + d) - v(d, s) - du*n(d)
+            end do
+            drop = share*away*w(1)*acceleration(along, s, curvature)
+            du = du + share*away*limited_slope(slope, -du/away)
+        end if
         call wall_star(gamma, w(1), w(5), du, p_star, rho_star)
+        ! not below zero, nor doubled, where a cell is not small beside the radius
+        if (drop > 0) then
+            p_star = p_star*p_star/(p_star + drop)
+        else
+            p_star = p_star + min(-drop, p_star)
+        end if
     end subroutine meet_wall
+
+    !> Distance from the centre of the master of a cell to the wall in the cell [m], 0 to a cell.
+    !@cuf attributes(host,device) &
+    pure function distance_to_wall(s, n, nodes, root, ijk, middle) result(away)
+        integer, intent(in) :: s
+        real(rk), intent(in) :: n(3) !! normal, out of the gas
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: root(3), ijk(3) !! the master, the cell
+        real(rk), intent(in) :: middle(3, *)
+        real(rk) :: away, wide
+        integer :: d
+
+        away = 0
+        wide = 0
+        do d = 1, 3
+            if (nodes%n(d) == 1) cycle
+            away = away + n(d)*real(nodes%dx(d), rk) &
+                *(way_to(nodes, d, root(d), ijk(d)) + middle(d, s) - 0.5_rk)
+            wide = wide + n(d)**2*real(nodes%dx(d), rk)
+        end do
+        away = max(0.0_rk, min(away, wide))
+    end function distance_to_wall
+
+    !> Acceleration of gas that follows a curved wall, u^2/R, > 0 where the body is convex [m/s2].
+    !@cuf attributes(host,device) &
+    pure function acceleration(along, s, curvature)
+        real(rk), intent(in) :: along(3) !! velocity of the gas along the wall [m/s]
+        integer, intent(in) :: s
+        real(rk), intent(in) :: curvature(6, *) !! see cut_find_curvature
+        real(rk) :: acceleration
+
+        acceleration = along(1)*(along(1)*curvature(1, s) + 2*along(2)*curvature(4, s)) &
+            + along(2)*(along(2)*curvature(2, s) + 2*along(3)*curvature(5, s)) &
+            + along(3)*(along(3)*curvature(3, s) + 2*along(1)*curvature(6, s))
+    end function acceleration
 
     !> Cells from one to another along a direction; round a periodic one the shorter way.
     !@cuf attributes(host,device) &
@@ -92,46 +153,38 @@ contains
         if (nodes%wraps(d)) way = modulo(way + nodes%cells(d)/2, nodes%cells(d)) - nodes%cells(d)/2
     end function way_to
 
-    !> Speed of approach at the wall: that of the cluster, carried on to the wall by a slope that is
-    !> limited between the difference across the faces of its master that lie away from the wall and
-    !> that which ends at rest there; times the ratio of the pressures on the two sides, lower over
-    !> higher, as at walls of the box: with the whole slope a shock that is reflected overshoots.
+    !> Slope of the speed of approach towards a wall, across the faces of a master that lie away
+    !> from it; and how much of what a slope brings counts, as at walls of the box: the ratio of the
+    !> pressures on the two sides, lower over higher. With all of it a shock that is reflected
+    !> overshoots.
     !@cuf attributes(host,device) &
-    pure function speed_at_wall(s, du, n, nodes, scheme, ijk, beside, aperture, middle, master, &
-                                cell, place, u) result(speed)
-        integer, intent(in) :: s
-        real(rk), intent(in) :: du !! of the cluster
+    pure subroutine look_away(q, n, nodes, scheme, root, beside, aperture, master, place, u, &
+                              share, slope)
+        integer, intent(in) :: q !! entry of the master
         real(rk), intent(in) :: n(3) !! normal, out of the gas
         type(node_grid_t), intent(in) :: nodes
         type(scheme_t), intent(in) :: scheme
-        integer, intent(in) :: ijk(3)
+        integer, intent(in) :: root(3) !! its cell
         integer(int32), intent(in) :: beside(6, *)
-        real(rk), intent(in) :: aperture(6, *), middle(3, *)
-        integer(int32), intent(in) :: master(*), cell(*), place(*)
+        real(rk), intent(in) :: aperture(6, *)
+        integer(int32), intent(in) :: master(*), place(*)
         real(rk), intent(in) :: u(*)
-        real(rk) :: speed
-        real(rk) :: away, far, from(5), gamma, here(5), long, near, press, share, wide
-        real(rk) :: weight, weights
+        real(rk), intent(out) :: share, slope !! [-], [1/s]
+        real(rk) :: far, from(5), gamma, here(5), long, near, press, weight, weights
         integer(int64) :: at
-        integer :: d, e, image, next, q, root(3), row
+        integer :: d, e, image, next, row
 
-        speed = du
-        q = master(s)
-        root = cell_at(nodes%n, cell(q))
+        share = 0
+        slope = 0
         call state_at(nodes, scheme, int(place(q), int64), u, gamma, here)
         far = 0
         press = 0
         long = 0
         weights = 0
         near = 0
-        away = 0
-        wide = 0
         do d = 1, 3
             if (nodes%n(d) == 1) cycle
             near = near + here(1 + d)*n(d)
-            away = away + n(d)*real(nodes%dx(d), rk) &
-                *(way_to(nodes, d, root(d), ijk(d)) + middle(d, s) - 0.5_rk)
-            wide = wide + n(d)**2*real(nodes%dx(d), rk)
             row = merge(2*d - 1, 2*d, n(d) > 0)
             if (.not. aperture(row, q) > 0) cycle
             next = beside(row, q)
@@ -155,12 +208,11 @@ contains
                 if (nodes%n(e) > 1) far = far + weight*from(1 + e)*n(e)
             end do
         end do
-        away = min(away, wide)
-        if (weights < least_weight .or. .not. away > 0) return
+        if (weights < least_weight) return
         press = press/weights
         share = max(min(here(5), press), 0.0_rk)/max(here(5), press, tiny(share))
-        speed = du + share*away*limited_slope((near - far/weights)*weights/long, -du/away)
-    end function speed_at_wall
+        slope = (near - far/weights)*weights/long
+    end subroutine look_away
 
     !> The mean state at the walls of the cluster of a cell, each by its area: density and pressure
     !> are those that push the wall, the velocity is that of the gas along the wall and that of the
@@ -168,13 +220,13 @@ contains
     !@loop_body
     !@cuf attributes(host,device) &
     pure subroutine cut_meet(k, nodes, scheme, number, slot, cell, place, shut, beside, aperture, &
-                             area, middle, v, master, ends, member, u, met)
+                             area, middle, curvature, v, master, ends, member, u, met)
         integer, intent(in) :: k !! cells that are asked for
         type(node_grid_t), intent(in) :: nodes
         type(scheme_t), intent(in) :: scheme
         integer(int32), intent(in) :: number(*) !! in the grid of nodes, 0: none
         integer(int32), intent(in) :: slot(*), cell(*), place(*), shut(*), beside(6, *)
-        real(rk), intent(in) :: aperture(6, *), area(3, *), middle(3, *), v(3, *)
+        real(rk), intent(in) :: aperture(6, *), area(3, *), middle(3, *), curvature(6, *), v(3, *)
         integer(int32), intent(in) :: master(*), ends(*), member(*)
         real(rk), intent(in) :: u(*)
         real(rk), intent(inout) :: met(n_met, *)
@@ -193,8 +245,8 @@ contains
             q = member(i)
             ijk = cell_at(nodes%n, cell(q))
             call state_at(nodes, scheme, int(place(q), int64), u, gamma, w)
-            call meet_wall(q, nodes, scheme, ijk, beside, aperture, area, middle, v, master, cell, &
-                           place, .false., u, w, gamma, whole, n, p_star, rho_star)
+            call meet_wall(q, nodes, scheme, ijk, beside, aperture, area, middle, curvature, v, &
+                           master, cell, place, .false., u, w, gamma, whole, n, p_star, rho_star)
             if (.not. whole > 0) cycle
             off = 0
             high = 0
