@@ -18,10 +18,10 @@ module brz_cut_driver
         for_each_cut_sum_push, for_each_cut_sweep, for_each_cut_tame, for_each_cut_wall_velocity
     use brz_cut_list_loops, only: for_each_cut_cell_of, for_each_cut_find_beside, &
         for_each_cut_find_home, for_each_cut_mark, for_each_cut_mark_listed, &
-        for_each_cut_mark_unsettled, for_each_cut_set_slot, for_each_cut_unite_marks, &
-        for_each_cut_widen
-    use brz_cut_load_loops, only: for_each_cut_bear, for_each_cut_feel, for_each_cut_find_bearing, &
-        for_each_cut_load_particle, for_each_cut_record
+        for_each_cut_mark_unsettled, for_each_cut_set_slot, for_each_cut_start_ring, &
+        for_each_cut_unite_marks, for_each_cut_widen, for_each_cut_widen_ring
+    use brz_cut_load_loops, only: for_each_cut_bear, for_each_cut_bear_push, for_each_cut_feel, &
+        for_each_cut_find_bearing, for_each_cut_load_particle, for_each_cut_record
     use brz_cut_node_loops, only: for_each_cut_fill_corner, for_each_cut_fill_node, &
         for_each_cut_find_ball, &
         for_each_cut_find_distance, for_each_cut_find_largest, for_each_cut_find_thickest, &
@@ -44,6 +44,7 @@ module brz_cut_driver
     use brz_record_rules, only: w => words_of_real
     use brz_rows, only: rows_of, rows_t
     use brz_scheme, only: max_var
+    use brz_solid_sleep, only: all_asleep
     use brz_bodies, only: bodies_t
     implicit none
     private
@@ -200,6 +201,8 @@ contains
         call at_least(on_gpu, cells%aperture, 6, n, err)
         call at_least(on_gpu, cells%middle, 3, n, err)
         call at_least(on_gpu, cells%area, 3, n, err)
+        call at_least(on_gpu, cells%ring, n, err)
+        call at_least(on_gpu, cells%next_ring, n, err)
         call at_least(on_gpu, cells%v, 3, n, err)
         call at_least(on_gpu, cells%volume, n, err)
         call at_least(on_gpu, cells%held, n, err)
@@ -360,9 +363,10 @@ contains
             call read_driven_bodies(solid, c%driven)
             c%bodies = size(c%driven)
             call put_driven_bodies(c, err)
+            call find_rings(c%on_gpu, c%wall%cells, err)
         else
             call push_carriers(air, solid, c, dt, err)
-            call push_nodes(air, p, c, dt, err)
+            if (.not. all_asleep(solid)) call push_nodes(air, p, c, dt, err)
         end if
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
             if (.not. dt > 0) call for_each_cut_find_carrier(g, l%n, nodes, c%bodies, c%driven, &
@@ -382,6 +386,21 @@ contains
         end associate
         call share_walls(c, .true., err)
     end subroutine move_cut_walls
+
+    !> How far the listed cells are from walls.
+    subroutine find_rings(on_gpu, l, err)
+        logical, intent(in) :: on_gpu
+        type(cut_cells_t), intent(inout) :: l
+        type(error_t), intent(inout) :: err
+        integer :: d
+
+        call for_each_cut_start_ring(on_gpu, l%n, l%area, l%ring, err)
+        do d = 1, 3
+            call for_each_cut_widen_ring(on_gpu, l%n, l%nodes, d, l%cell, l%slot, l%ring, &
+                                         l%next_ring, err)
+            call swap(l%ring, l%next_ring)
+        end do
+    end subroutine find_rings
 
     !> Velocities of the walls in the boxes of others, and what they sweep.
     subroutine share_walls(c, swept, err)
@@ -403,18 +422,13 @@ contains
         type(coupling_t), intent(inout) :: c
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
         type(error_t), intent(inout) :: err
-        real(dp), parameter :: whole = 1 !! force is impulse in a second
 
         if (all(c%driven%carries == carries_all)) return
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
             call for_each_cut_find_push(g, l%n, nodes, air%scheme, c%reference_pressure, l%place, &
                                         l%shut, l%area, l%v, l%carrier, air%u, l%press, l%give, err)
-            call for_each_cut_bear(g, l%n, nodes, whole, 0.0_rk, l%cell, l%slot, l%mass, &
-                                   l%bearing, l%area, l%middle, l%give, l%impedance, l%from_low, &
-                                   l%faces, l%moment, err)
-            call for_each_cut_bear(g, l%n, nodes, whole, 0.0_rk, l%cell, l%slot, l%mass, &
-                                   l%bearing, l%area, l%middle, l%press, l%force, l%from_low, &
-                                   l%faces, l%moment, err)
+            call for_each_cut_bear_push(g, l%n, nodes, l%cell, l%slot, l%ring, l%mass, &
+                                        l%bearing, l%press, l%give, l%force, l%impedance, err)
         end associate
         if (several(c%ranks)) then
             associate (before => c%ghosts%v_before, seat => c%part%seat)
@@ -437,10 +451,10 @@ contains
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
             call for_each_cut_push_particle(g, p%n, nodes, c%bodies, real(dt, rk), &
                 real(c%dt_before, rk), c%driven, p%wide, p%stride_d, p%stride_p, l%home, l%cell, &
-                l%slot, p%x, p%v, p%mass, p%fixed, p%load, v_before, column, l%mass, l%force, &
-                l%impedance, l%change, err)
-            call for_each_cut_push_corner(g, 8*l%n, nodes, p%wide, l%cell, l%bin_ends, l%binned, &
-                                          p%x, l%change, l%pushes, err)
+                l%slot, l%ring, p%x, p%v, p%mass, p%fixed, p%load, v_before, column, l%mass, &
+                l%force, l%impedance, l%change, err)
+            call for_each_cut_push_corner(g, 8*l%n, nodes, p%wide, l%cell, l%ring, l%bin_ends, &
+                                          l%binned, p%x, l%change, l%pushes, err)
             call for_each_cut_push_node(g, l%n, nodes, l%cell, l%slot, l%sums, l%pushes, &
                                         l%momentum, err)
         end associate
@@ -508,11 +522,11 @@ contains
                                      l%v, l%impulse, work, given, taken, &
                                      diag_at(c%device, diag_work), err)
             call for_each_cut_bear(g, l%n, nodes, dt, c%reference_pressure, l%cell, l%slot, &
-                                   l%mass, l%bearing, l%area, l%middle, l%impulse, l%force, &
-                                   l%from_low, l%faces, l%moment, err)
+                l%ring, l%mass, l%bearing, l%area, l%middle, l%impulse, l%force, l%from_low, &
+                l%faces, l%moment, err)
             call for_each_cut_load_particle(g, p%n, nodes, p%wide, p%stride_d, p%stride_p, l%home, &
-                                            l%cell, l%slot, p%x, p%mass, l%mass, l%force, p%load, &
-                                            err)
+                                            l%cell, l%slot, l%ring, p%x, p%mass, l%mass, l%force, &
+                                            p%load, err)
         end associate
         c%diagnostics%work = c%diagnostics%work + work(1)
         c%diagnostics%work_reference = c%diagnostics%work_reference + work(2)
@@ -529,17 +543,17 @@ contains
         type(layers_t) :: layers
         integer :: b
 
-        if (.not. allocated(solid%face_stress)) return
+        if (.not. allocated(solid%face_stress) .or. all_asleep(solid)) return
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
-            call for_each_cut_sum_lines(g, l%n, nodes, l%cell, l%slot, l%force, l%from_low, &
-                                        l%faces, l%deeper, l%in_line, err)
+            call for_each_cut_sum_lines(g, l%n, nodes, l%cell, l%slot, l%ring, l%force, &
+                                        l%from_low, l%faces, l%deeper, l%in_line, err)
             do b = 1, size(solid%bodies)
                 if (.not. solid%bodies(b)%face_share > 0 .or. solid%bodies(b)%inactive) cycle
                 associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
                     layers%apart = solid%bodies(b)%spacing/solid%bodies(b)%stretch
                     call for_each_cut_stress_particle(g, last - first + 1, first, nodes, &
                         solid%bodies(b)%face_share, layers, p%wide, p%stride_d, p%stride_t, &
-                        l%home, l%cell, l%slot, p%x, l%fill, l%distance, l%mass, l%above, &
+                        l%home, l%cell, l%slot, l%ring, p%x, l%fill, l%distance, l%mass, l%above, &
                         l%force, l%from_low, l%faces, l%deeper, l%in_line, p%face_stress, err)
                 end associate
             end do

@@ -3,14 +3,15 @@
 !> particles in them.
 module brz_cut_list_loop_bodies
     use brz_air_grid, only: cell_at, near_cut, number_of, place_of
-    use brz_cut_cells, only: near, node_grid_t
+    use brz_cut_cells, only: near, node_grid_t, ring_of_stress
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_particle_marks, only: is_gone
     use brz_scheme, only: max_var
     implicit none
     private
     public :: cut_cell_of, cut_mark, cut_mark_listed, cut_mark_unsettled, cut_unite_marks, &
-        cut_widen, cut_set_slot, cut_find_beside, cut_find_home, cut_set_near
+        cut_widen, cut_set_slot, cut_find_beside, cut_find_home, cut_set_near, cut_start_ring, &
+        cut_widen_ring
     public :: entry_at, nodes_around
 
     real(rk), parameter :: settled = 64*epsilon(1.0_rk) !! of a cell, in which gas may be off it
@@ -186,6 +187,42 @@ contains
             if (from(c + (next - ijk(d))*step) /= 0) to(c) = 1_int8
         end do
     end subroutine cut_widen
+
+    !> Cells to the nearest wall, as far as they matter: 0 in a cell with a wall.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_start_ring(s, area, ring)
+        integer, intent(in) :: s !! entries
+        real(rk), intent(in) :: area(3, *)
+        integer(int32), intent(inout) :: ring(*)
+
+        ring(s) = ring_of_stress + 1
+        if (abs(area(1, s)) + abs(area(2, s)) + abs(area(3, s)) > 0) ring(s) = 0
+    end subroutine cut_start_ring
+
+    !> The same with walls along one direction more; after all of them in the block around.
+    !@loop_body if(n >= worth_threads) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine cut_widen_ring(s, nodes, d, cell, slot, from, to)
+        integer, intent(in) :: s !! entries
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: d !! direction
+        integer(int32), intent(in) :: cell(*), slot(*), from(*)
+        integer(int32), intent(inout) :: to(*)
+        integer :: at(3), b, e, ijk(3), m
+
+        to(s) = from(s)
+        if (nodes%n(d) == 1) return
+        ijk = cell_at(nodes%n, cell(s))
+        do m = -ring_of_stress, ring_of_stress
+            do e = 1, 3
+                at(e) = ijk(e)
+            end do
+            at(d) = ijk(d) + m
+            b = entry_at(nodes, at(1), at(2), at(3), slot)
+            if (b > 0) to(s) = min(to(s), max(abs(m), from(b)))
+        end do
+    end subroutine cut_widen_ring
 
     !> Enter a listed cell in the map, with its place among the cells of the air; or take it out.
     !@loop_body

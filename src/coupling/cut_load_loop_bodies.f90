@@ -4,13 +4,13 @@
 !> nothing is lost.
 module brz_cut_load_loop_bodies
     use brz_air_grid, only: cell_at, is_between
-    use brz_cut_cells, only: node_grid_t, of_plane, see_image
+    use brz_cut_cells, only: node_grid_t, of_plane, ring_of_loads, see_image
     use brz_cut_list_loop_bodies, only: entry_at, nodes_around
     use brz_cut_node_loop_bodies, only: tent
     use brz_kinds, only: dp, int32, rk
     implicit none
     private
-    public :: cut_find_bearing, cut_bear, cut_load_particle, cut_record, cut_feel
+    public :: cut_find_bearing, cut_bear, cut_bear_push, cut_load_particle, cut_record, cut_feel
     public :: find_share
 
 contains
@@ -54,16 +54,46 @@ contains
         end do
     end subroutine cut_find_bearing
 
+    !> Share that a node has in what the wall of a cell near it hands on.
+    !@cuf attributes(host,device) &
+    pure subroutine find_borne(nodes, ijk, at, mass, slot, bearing, to, b, share, turned)
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: ijk(3), at(3) !! node, cell
+        real(dp), intent(in) :: mass !! of the node [kg]
+        integer(int32), intent(in) :: slot(*)
+        real(dp), intent(in) :: bearing(*)
+        integer, intent(out) :: to(3) !! the cell, or that whose image it is
+        integer, intent(out) :: b !! its entry; 0: it is not listed, or hands nothing to this node
+        real(dp), intent(out) :: share
+        logical, intent(out) :: turned(3) !! directions that a plane of symmetry turns
+        integer :: d, image
+        logical :: own
+
+        own = .true.
+        do d = 1, 3
+            if (nodes%n(d) > 1) own = own .and. at(d) >= ijk(d) - 1 .and. at(d) <= ijk(d)
+            to(d) = at(d)
+            call see_image(nodes, d, 0, to(d), image)
+            turned(d) = image == of_plane
+        end do
+        share = 0
+        b = entry_at(nodes, to(1), to(2), to(3), slot)
+        if (b == 0) return
+        if (bearing(b) > 0 .and. own) share = mass/bearing(b)
+        if (bearing(b) < 0) share = -mass/bearing(b)
+        if (.not. share > 0) b = 0
+    end subroutine find_borne
+
     !> Force and torque on a node: its shares of those on the walls of the cells around.
     !@loop_body if(27*n >= worth_threads) schedule(dynamic, 64)
     !@cuf attributes(host,device) &
-    pure subroutine cut_bear(s, nodes, dt, reference, cell, slot, mass, bearing, area, middle, &
-                             impulse, force, from_low, faces, moment)
+    pure subroutine cut_bear(s, nodes, dt, reference, cell, slot, ring, mass, bearing, area, &
+                             middle, impulse, force, from_low, faces, moment)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
         real(dp), intent(in) :: dt !! step of the air [s]
         real(rk), intent(in) :: reference !! pressure that is taken off [Pa]
-        integer(int32), intent(in) :: cell(*), slot(*)
+        integer(int32), intent(in) :: cell(*), slot(*), ring(*)
         real(dp), intent(in) :: mass(*), bearing(*)
         real(rk), intent(in) :: area(3, *), middle(3, *), impulse(3, *)
         real(dp), intent(inout) :: force(3, *) !! [N]
@@ -73,8 +103,7 @@ contains
         real(dp), intent(inout) :: moment(3, *) !! about the low corner of the grid [N m]
         real(dp) :: arm(3), borne(2, 3), low_side(3), push(3), share
         integer :: at(3), b, d, high(3), i, ijk(3), j, k, low(3), side, to(3)
-        integer :: image
-        logical :: on_low, own, turned(3)
+        logical :: on_low, turned(3)
 
         do d = 1, 3
             force(d, s) = 0
@@ -86,7 +115,7 @@ contains
             faces(2, d, s) = 0
             moment(d, s) = 0
         end do
-        if (.not. mass(s) > 0) return
+        if (ring(s) > ring_of_loads .or. .not. mass(s) > 0) return
         ijk = cell_at(nodes%n, cell(s))
         call nodes_around(nodes, ijk, 2, 1, low, high)
         do k = low(3), high(3)
@@ -95,22 +124,11 @@ contains
                     at(1) = i
                     at(2) = j
                     at(3) = k
-                    own = .true.
-                    do d = 1, 3
-                        if (nodes%n(d) > 1) own = own .and. at(d) >= ijk(d) - 1 &
-                            .and. at(d) <= ijk(d)
-                        to(d) = at(d)
-                        call see_image(nodes, d, 0, to(d), image)
-                        turned(d) = image == of_plane
-                    end do
-                    b = entry_at(nodes, to(1), to(2), to(3), slot)
+                    call find_borne(nodes, ijk, at, mass(s), slot, bearing, to, b, share, turned)
                     if (b == 0) cycle
                     ! a cell that is held for a step brings no impulse, but is not the reference
                     if (.not. abs(impulse(1, b)) + abs(impulse(2, b)) + abs(impulse(3, b)) &
                         + abs(area(1, b)) + abs(area(2, b)) + abs(area(3, b)) > 0) cycle
-                    share = 0
-                    if (bearing(b) > 0 .and. own) share = mass(s)/bearing(b)
-                    if (bearing(b) < 0) share = -mass(s)/bearing(b)
                     do d = 1, 3
                         push(d) = share*(impulse(d, b)/dt - reference*area(d, b))
                         arm(d) = (nodes%before(d) + to(d) - 1 + middle(d, b))*nodes%dx(d)
@@ -135,6 +153,46 @@ contains
             faces(2, d, s) = real(borne(2, d), rk)
         end do
     end subroutine cut_bear
+
+    !> Force on a node if the walls around keep their motion, and how it falls if they yield.
+    !@loop_body if(27*n >= worth_threads) schedule(dynamic, 64)
+    !@cuf attributes(host,device) &
+    pure subroutine cut_bear_push(s, nodes, cell, slot, ring, mass, bearing, press, give, force, &
+                                  impedance)
+        integer, intent(in) :: s !! entries
+        type(node_grid_t), intent(in) :: nodes
+        integer(int32), intent(in) :: cell(*), slot(*), ring(*)
+        real(dp), intent(in) :: mass(*), bearing(*)
+        real(rk), intent(in) :: press(3, *), give(3, *) !! of the walls [N], [N s/m]
+        real(dp), intent(inout) :: force(3, *), impedance(3, *) !! [N], [N s/m]
+        real(dp) :: push, share
+        integer :: at(3), b, d, high(3), i, ijk(3), j, k, low(3), to(3)
+        logical :: turned(3)
+
+        do d = 1, 3
+            force(d, s) = 0
+            impedance(d, s) = 0
+        end do
+        if (ring(s) > ring_of_loads .or. .not. mass(s) > 0) return
+        ijk = cell_at(nodes%n, cell(s))
+        call nodes_around(nodes, ijk, 2, 1, low, high)
+        do k = low(3), high(3)
+            do j = low(2), high(2)
+                do i = low(1), high(1)
+                    at(1) = i
+                    at(2) = j
+                    at(3) = k
+                    call find_borne(nodes, ijk, at, mass(s), slot, bearing, to, b, share, turned)
+                    if (b == 0) cycle
+                    do d = 1, 3
+                        push = merge(-press(d, b), press(d, b), turned(d))
+                        force(d, s) = force(d, s) + share*push
+                        impedance(d, s) = impedance(d, s) + share*give(d, b)
+                    end do
+                end do
+            end do
+        end do
+    end subroutine cut_bear_push
 
     !> Share that a particle has in what a node at a corner of its cell hands on.
     !@cuf attributes(host,device) &
@@ -165,25 +223,30 @@ contains
     !> Load of a particle: its shares of the forces on the nodes of its cell.
     !@loop_body
     !@cuf attributes(host,device) &
-    pure subroutine cut_load_particle(p, nodes, wide, stride_d, stride_p, home, cell, slot, x, &
-                                      mass, node_mass, force, load)
+    pure subroutine cut_load_particle(p, nodes, wide, stride_d, stride_p, home, cell, slot, ring, &
+                                      x, mass, node_mass, force, load)
         integer, intent(in) :: p !! particles
         type(node_grid_t), intent(in) :: nodes
         integer, intent(in) :: wide !! rows of x
         integer, intent(in) :: stride_d, stride_p !! distances in `load` of directions, of particles
-        integer(int32), intent(in) :: home(*), cell(*), slot(*)
+        integer(int32), intent(in) :: home(*), cell(*), slot(*), ring(*)
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: mass(*)
         real(dp), intent(in) :: node_mass(*), force(3, *)
         real(rk), intent(inout) :: load(*) !! [N]
         real(dp) :: share, sums(3), y(3)
         integer :: c, d, ijk(3), s
+        logical :: loaded
 
         do d = 1, 3
             sums(d) = 0
-            y(d) = x(d, p)
         end do
-        if (home(p) > 0) then
+        loaded = home(p) > 0
+        if (loaded) loaded = ring(home(p)) <= ring_of_loads
+        if (loaded) then
+            do d = 1, 3
+                y(d) = x(d, p)
+            end do
             ijk = cell_at(nodes%n, cell(home(p)))
             do c = 0, 7
                 call find_share(nodes, ijk, c, y, mass(p), slot, node_mass, s, share)

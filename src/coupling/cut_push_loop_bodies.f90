@@ -5,7 +5,7 @@
 !> they do loads: those on both sides of a layer move with the particles that they share.
 module brz_cut_push_loop_bodies
     use brz_air_grid, only: cell_at
-    use brz_cut_cells, only: at_corner, node_grid_t
+    use brz_cut_cells, only: at_corner, node_grid_t, ring_of_loads
     use brz_cut_load_loop_bodies, only: find_share
     use brz_cut_node_loop_bodies, only: cell_below, row_beyond, see_images, tent
     use brz_driven_body_rules, only: carries_all, driven_body_at, driven_body_t
@@ -22,7 +22,7 @@ contains
     !@loop_body
     !@cuf attributes(host,device) &
     pure subroutine cut_push_particle(p, nodes, bodies, dt, dt_before, driven, wide, stride_d, &
-                                      stride_p, home, cell, slot, x, v, mass, fixed, load, &
+                                      stride_p, home, cell, slot, ring, x, v, mass, fixed, load, &
                                       v_before, column, node_mass, force, impedance, change)
         integer, intent(in) :: p !! particles
         type(node_grid_t), intent(in) :: nodes
@@ -32,7 +32,7 @@ contains
         type(driven_body_t), intent(in) :: driven(bodies)
         integer, intent(in) :: wide !! rows of x and v
         integer, intent(in) :: stride_d, stride_p !! distances in `load` of directions, of particles
-        integer(int32), intent(in) :: home(*), cell(*), slot(*)
+        integer(int32), intent(in) :: home(*), cell(*), slot(*), ring(*)
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: v(wide, *), mass(*)
         integer(int32), intent(in) :: fixed(*)
@@ -50,9 +50,13 @@ contains
             change(d, p) = 0
             gives(d) = 0
             pushed(d) = 0
+        end do
+        if (home(p) == 0) return
+        if (ring(home(p)) > ring_of_loads) return ! no wall moves with it
+        do d = 1, 3
             y(d) = x(d, p)
         end do
-        if (home(p) == 0 .or. fixed(p) == is_fixed .or. .not. mass(p) > 0) return
+        if (fixed(p) == is_fixed .or. .not. mass(p) > 0) return
         if (driven(driven_body_at(bodies, driven, p))%carries == carries_all) return
         ijk = cell_at(nodes%n, cell(home(p)))
         do c = 0, 7
@@ -76,11 +80,11 @@ contains
     !> What the particles of a cell bring of it to one of its corners.
     !@loop_body if(n >= worth_threads) schedule(dynamic, 256)
     !@cuf attributes(host,device) &
-    pure subroutine cut_push_corner(t, nodes, wide, cell, ends, binned, x, change, sums)
+    pure subroutine cut_push_corner(t, nodes, wide, cell, ring, ends, binned, x, change, sums)
         integer, intent(in) :: t !! corners of entries
         type(node_grid_t), intent(in) :: nodes
         integer, intent(in) :: wide !! rows of x
-        integer(int32), intent(in) :: cell(*), ends(*), binned(*)
+        integer(int32), intent(in) :: cell(*), ring(*), ends(*), binned(*)
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: change(3, *)
         real(dp), intent(inout) :: sums(3, 8, *)
@@ -94,7 +98,7 @@ contains
             own(d) = 0
             at(d) = ijk(d) + iand(ishft(c, 1 - d), 1)
         end do
-        do q = ends(s) + 1, ends(s + 1)
+        do q = ends(s) + 1, merge(ends(s + 1), ends(s), ring(s) <= ring_of_loads)
             p = binned(q)
             do d = 1, 3
                 y(d) = x(d, p)

@@ -14,7 +14,7 @@
 !> whose gradients are others.
 module brz_cut_stress_loop_bodies
     use brz_air_grid, only: cell_at
-    use brz_cut_cells, only: layers_t, node_grid_t, see_image
+    use brz_cut_cells, only: layers_t, node_grid_t, ring_of_stress, see_image
     use brz_cut_list_loop_bodies, only: entry_at
     use brz_cut_node_loop_bodies, only: tent, way_from
     use brz_kinds, only: dp, int32, rk
@@ -30,10 +30,11 @@ contains
     !> above it, of gas on the high side those below; and the area that all near it bear.
     !@loop_body if(n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine cut_sum_lines(s, nodes, cell, slot, force, from_low, faces, deeper, in_line)
+    pure subroutine cut_sum_lines(s, nodes, cell, slot, ring, force, from_low, faces, deeper, &
+                                  in_line)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
-        integer(int32), intent(in) :: cell(*), slot(*)
+        integer(int32), intent(in) :: cell(*), slot(*), ring(*)
         real(dp), intent(in) :: force(3, *) !! of all walls [N]
         real(rk), intent(in) :: from_low(3, *) !! of those with gas on the low side [N]
         real(rk), intent(in) :: faces(2, 3, *) !! area that a node bears, in faces
@@ -50,7 +51,7 @@ contains
                 deeper(side, d, s) = 0
                 in_line(side, d, s) = 0
             end do
-            if (nodes%n(d) == 1) cycle
+            if (nodes%n(d) == 1 .or. ring(s) > ring_of_stress) cycle
             do m = -farthest, farthest
                 do e = 1, 3
                     to(e) = ijk(e)
@@ -77,8 +78,8 @@ contains
     !@loop_body
     !@cuf attributes(host,device) &
     pure subroutine cut_stress_particle(t, first, nodes, share, layers, wide, stride_d, stride_t, &
-                                        home, cell, slot, x, fill, distance, mass, above, force, &
-                                        from_low, faces, deeper, in_line, face_stress)
+                                        home, cell, slot, ring, x, fill, distance, mass, above, &
+                                        force, from_low, faces, deeper, in_line, face_stress)
         integer, intent(in) :: t !! particles of the body
         integer, intent(in) :: first !! the first of them
         type(node_grid_t), intent(in) :: nodes
@@ -87,7 +88,7 @@ contains
         integer, intent(in) :: wide !! rows of x
         integer, intent(in) :: stride_d, stride_t
         !! distances in `face_stress` of components, of particles
-        integer(int32), intent(in) :: home(*), cell(*), slot(*)
+        integer(int32), intent(in) :: home(*), cell(*), slot(*), ring(*)
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: fill(*), distance(*)
         real(dp), intent(in) :: mass(*) !! of nodes [kg]
@@ -99,15 +100,20 @@ contains
         real(rk) :: y_phi
         real(dp) :: y(3)
         integer :: c, d, ijk(3), low(3), p, pair(2), side
+        logical :: beside_wall
 
         p = first - 1 + t
-        if (home(p) > 0) ijk = cell_at(nodes%n, cell(home(p)))
-        do d = 1, 3
-            y(d) = x(d, p)
-        end do
+        beside_wall = home(p) > 0
+        if (beside_wall) beside_wall = ring(home(p)) <= ring_of_stress
+        if (beside_wall) then
+            ijk = cell_at(nodes%n, cell(home(p)))
+            do d = 1, 3
+                y(d) = x(d, p)
+            end do
+        end if
         do d = 1, 3
             stress = 0
-            if (home(p) > 0 .and. nodes%n(d) > 1) then
+            if (beside_wall .and. nodes%n(d) > 1) then
                 do side = 1, 2
                     pressed(side) = 0
                     width(side) = 0

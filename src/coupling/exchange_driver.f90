@@ -13,7 +13,7 @@ module brz_exchange_driver
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least, clear_list, read_first
     use brz_ranks, only: several, sum_of_all
-    use brz_solid_sleep, only: wake_met
+    use brz_solid_sleep, only: all_asleep, wake_met
     use brz_bodies, only: bodies_t
     use brz_listed_bodies, only: listed_bodies_t
     use brz_velocity_loops, only: for_each_keep_velocity
@@ -101,7 +101,8 @@ contains
         call wake_met(solid)
     end subroutine wake_loaded
 
-    !> Bring walls and gas up to date with the particles. Once per step of the air.
+    !> Bring walls and gas up to date with the particles. Once per step of the air; while all bodies
+    !> sleep there is nothing to do.
     !>
     !> Mass, momentum and energy of gas and of content that waits together do not change.
     subroutine reclassify(air, solid, c, err)
@@ -110,13 +111,17 @@ contains
         type(coupling_t), intent(inout) :: c
         type(error_t), intent(inout) :: err
 
-        if (several(solid%ranks)) then
-            call renew_coupling_ghosts(solid, c, err)
-            call renew_cut_cells(air, solid, c%ghost_bodies, c%ghosts, c, err)
-            call see_beside(air, c, err)
-        else
-            call renew_cut_cells(air, solid, solid, solid, c, err)
-        end if
+        associate (asleep => all_asleep(solid) .and. solid%rebuilds == c%wall%cells%rebuilds)
+            if (several(solid%ranks)) then
+                if (.not. asleep) then
+                    call renew_coupling_ghosts(solid, c, err)
+                    call renew_cut_cells(air, solid, c%ghost_bodies, c%ghosts, c, err)
+                end if
+                call see_beside(air, c, err)
+            else if (.not. asleep) then
+                call renew_cut_cells(air, solid, solid, solid, c, err)
+            end if
+        end associate
         if (.not. c%on_gpu) return
         air%device%fetched = .false.
         c%device%walls_fetched = .false.

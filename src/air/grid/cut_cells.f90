@@ -16,15 +16,17 @@ module brz_cut_cells
     implicit none
     private
     public :: cut_before_t, cut_cells_t, layers_t, node_grid_t, near, bare, at_corner, n_met
-    public :: list_bytes, of_plane, see_image
+    public :: list_bytes, of_plane, see_image, ring_of_loads, ring_of_stress
 
     integer, parameter :: near = 3 !! cells round one with particles that are listed
     integer, parameter :: at_corner = 7 !! sums of the particles of a cell at a corner of it
     integer, parameter :: of_plane = 1, of_wall = 2 !! images beyond a plane of symmetry, a wall
+    integer, parameter :: ring_of_loads = 2 !! cells from a wall of particles that bear its load
+    integer, parameter :: ring_of_stress = 4 !! of those that have the stress of it
     real(rk), parameter :: bare = 1e-12_rk !! wall area that counts as none, in faces
     integer, parameter :: n_met = 10 !! numbers of what stands at the walls of a cell, see met_t
     ! numbers that are kept of an entry, and what lists have room for beyond their entries
-    integer, parameter :: doubles = 38 + 8*at_corner, reals = 140, integers = 32
+    integer, parameter :: doubles = 38 + 8*at_corner, reals = 140, integers = 34
     real(dp), parameter :: slack = 1.25_dp
 
     !> The grid of nodes, and how cells lie in memory.
@@ -101,6 +103,8 @@ module brz_cut_cells
         real(rk), allocatable :: middle(:, :) !! (3, n) of the wall, from the low corner
         real(rk), allocatable :: curvature(:, :) !! (6, n) of the wall [1/m], see cut_find_curvature
         real(rk), allocatable :: area(:, :) !! (3, n) of the wall, out of the gas [m2]
+        integer(int32), allocatable :: ring(:) !! (n) cells to the nearest wall, see cut_widen_ring
+        integer(int32), allocatable :: next_ring(:)
         real(rk), allocatable :: v(:, :) !! (3, n) velocity of the wall [m/s]
         real(rk), allocatable :: press(:, :) !! (3, n) force on the wall if it keeps its motion [N]
         real(rk), allocatable :: give(:, :) !! (3, n) loss of it per velocity [N s/m]

@@ -9,7 +9,7 @@ module brz_solid_sleep
     use brz_listed_bodies, only: listed_bodies_t
     implicit none
     private
-    public :: put_to_sleep, sleep_until_loaded, wake_met, particles_active
+    public :: put_to_sleep, sleep_until_loaded, wake_met, particles_active, all_asleep
 
     real(rk), parameter :: rounding = 1e3_rk*epsilon(1.0_rk) !! strain of bodies without stress
 
@@ -76,6 +76,14 @@ contains
             end do
         end do
     end subroutine wake_met
+
+    !> True while no body has moved yet.
+    pure logical function all_asleep(solid) result(asleep)
+        class(bodies_t), intent(in) :: solid
+
+        asleep = allocated(solid%bodies)
+        if (asleep) asleep = all(solid%bodies%inactive)
+    end function all_asleep
 
     !> Particles that take steps, of all processes.
     pure integer(int64) function particles_active(solid) result(n)
