@@ -138,10 +138,11 @@ contains
     !> where the body is convex. In order xx, yy, zz, xy, yz, zx.
     !@loop_body if(n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine cut_find_curvature(s, nodes, cell, slot, normal, curvature)
+    pure subroutine cut_find_curvature(s, nodes, cell, slot, ring, normal, curvature)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
         integer(int32), intent(in) :: cell(*), slot(*)
+        integer(int32), intent(in) :: ring(*) !! 0: there is a wall
         real(rk), intent(in) :: normal(3, *) !! of nodes, in cells
         real(rk), intent(inout) :: curvature(6, *) !! [1/m]
         real(rk) :: gradient(3, 3), n(3), sums(3, 2, 3), whole
@@ -151,6 +152,9 @@ contains
         do d = 1, 3
             curvature(d, s) = 0
             curvature(3 + d, s) = 0
+        end do
+        if (ring(s) > 0) return
+        do d = 1, 3
             do side = 1, 2
                 seen(side, d) = 0
                 do e = 1, 3

@@ -25,7 +25,7 @@ module brz_cut_driver
     use brz_cut_node_loops, only: for_each_cut_fill_corner, for_each_cut_fill_node, &
         for_each_cut_find_ball, &
         for_each_cut_find_distance, for_each_cut_find_largest, for_each_cut_find_thickest, &
-        for_each_cut_search_octant, for_each_cut_see_fill
+        for_each_cut_search_octant, for_each_cut_see_fill, for_each_cut_widen_thickness
     use brz_cut_push_loops, only: for_each_cut_push_corner, for_each_cut_push_node, &
         for_each_cut_push_particle
     use brz_cut_share, only: list_shared, share_marks, share_masters, share_rows
@@ -189,6 +189,7 @@ contains
         call at_least(on_gpu, cells%curvature, 6, n, err)
         call at_least(on_gpu, cells%octants, 8, n, err)
         call at_least(on_gpu, cells%distance, n, err)
+        call at_least(on_gpu, cells%thickest, n, err)
         call at_least(on_gpu, cells%thickness, n, err)
         call at_least(on_gpu, cells%ball, n, err)
         call at_least(on_gpu, cells%force, 3, n, err)
@@ -232,12 +233,14 @@ contains
                                         l%mass, l%above, l%heaviest, l%momentum, err)
             call for_each_cut_see_fill(g, p%n, nodes, p%wide, l%home, l%cell, l%slot, p%x, l%fill, &
                                        l%radius, err)
-            call for_each_cut_find_thickest(g, l%n, l%bin_ends, l%binned, l%radius, l%thickness, &
+            call for_each_cut_find_thickest(g, l%n, l%bin_ends, l%binned, l%radius, l%thickest, &
                                             err)
-            call for_each_cut_find_ball(g, p%n, nodes, p%stride_w, l%home, l%cell, l%slot, &
-                                        p%volume, l%thickness, l%radius, err)
+            call for_each_cut_widen_thickness(g, l%n, nodes, l%cell, l%slot, l%thickest, &
+                                              l%thickness, err)
+            call for_each_cut_find_ball(g, p%n, nodes, p%stride_w, l%home, p%volume, l%thickness, &
+                                        l%radius, err)
             call for_each_cut_find_largest(g, l%n, l%bin_ends, l%binned, l%radius, l%ball, err)
-            call find_curvature(g, l, err)
+            call find_sags(g, l, err)
             call for_each_cut_search_octant(g, 8*l%n, nodes, p%wide, l%cell, l%slot, l%bin_ends, &
                 l%binned, p%x, l%radius, l%ball, l%fill, l%sag, l%octants, err)
             call for_each_cut_find_distance(g, l%n, l%octants, l%distance, err)
@@ -250,8 +253,8 @@ contains
         call open_faces(c, 1, err)
     end subroutine find_shapes
 
-    !> Curvature of walls, and how far facets lie inside them, from the fill of the nodes.
-    subroutine find_curvature(on_gpu, l, err)
+    !> How far facets lie inside curved walls, from the fill of the nodes.
+    subroutine find_sags(on_gpu, l, err)
         logical, intent(in) :: on_gpu
         type(cut_cells_t), intent(inout) :: l
         type(error_t), intent(inout) :: err
@@ -264,9 +267,7 @@ contains
                                       l%smooth, err)
         call for_each_cut_find_normal(on_gpu, l%n, l%nodes, l%cell, l%slot, l%smooth, l%normal, err)
         call for_each_cut_find_sag(on_gpu, l%n, l%nodes, l%cell, l%slot, l%normal, l%sag, err)
-        call for_each_cut_find_curvature(on_gpu, l%n, l%nodes, l%cell, l%slot, l%normal, &
-                                         l%curvature, err)
-    end subroutine find_curvature
+    end subroutine find_sags
 
     !> Open shares and wall areas of cells that are shut or not.
     subroutine open_faces(c, seal, err)
@@ -363,7 +364,7 @@ contains
             call read_driven_bodies(solid, c%driven)
             c%bodies = size(c%driven)
             call put_driven_bodies(c, err)
-            call find_rings(c%on_gpu, c%wall%cells, err)
+            call survey_walls(c%on_gpu, c%wall%cells, err)
         else
             call push_carriers(air, solid, c, dt, err)
             if (.not. all_asleep(solid)) call push_nodes(air, p, c, dt, err)
@@ -387,8 +388,8 @@ contains
         call share_walls(c, .true., err)
     end subroutine move_cut_walls
 
-    !> How far the listed cells are from walls.
-    subroutine find_rings(on_gpu, l, err)
+    !> How far the listed cells are from walls, and how these are curved.
+    subroutine survey_walls(on_gpu, l, err)
         logical, intent(in) :: on_gpu
         type(cut_cells_t), intent(inout) :: l
         type(error_t), intent(inout) :: err
@@ -400,7 +401,9 @@ contains
                                          l%next_ring, err)
             call swap(l%ring, l%next_ring)
         end do
-    end subroutine find_rings
+        call for_each_cut_find_curvature(on_gpu, l%n, l%nodes, l%cell, l%slot, l%ring, l%normal, &
+                                         l%curvature, err)
+    end subroutine survey_walls
 
     !> Velocities of the walls in the boxes of others, and what they sweep.
     subroutine share_walls(c, swept, err)
@@ -455,8 +458,8 @@ contains
                 l%force, l%impedance, l%change, err)
             call for_each_cut_push_corner(g, 8*l%n, nodes, p%wide, l%cell, l%ring, l%bin_ends, &
                                           l%binned, p%x, l%change, l%pushes, err)
-            call for_each_cut_push_node(g, l%n, nodes, l%cell, l%slot, l%sums, l%pushes, &
-                                        l%momentum, err)
+            call for_each_cut_push_node(g, l%n, nodes, l%cell, l%slot, l%ring, l%sums, &
+                                        l%pushes, l%momentum, err)
         end associate
     end subroutine push_particles
 

@@ -12,7 +12,7 @@ module brz_cut_list_loop_bodies
     public :: cut_cell_of, cut_mark, cut_mark_listed, cut_mark_unsettled, cut_unite_marks, &
         cut_widen, cut_set_slot, cut_find_beside, cut_find_home, cut_set_near, cut_start_ring, &
         cut_widen_ring
-    public :: entry_at, nodes_around
+    public :: entries_of_corners, entry_at, nodes_around
 
     real(rk), parameter :: settled = 64*epsilon(1.0_rk) !! of a cell, in which gas may be off it
 
@@ -66,7 +66,7 @@ contains
         do d = 1, 3
             ijk(d) = 1
             if (nodes%n(d) == 1) cycle
-            s = (x(d) - nodes%lo(d))/nodes%dx(d)
+            s = (x(d) - nodes%lo(d))*nodes%inverse_dx(d)
             if (nodes%wraps(d)) s = s - nodes%whole(d)*floor(s/nodes%whole(d))
             near_box = near_box .and. s > -1 .and. s < nodes%whole(d) + 1
             if (near_box) ijk(d) = max(1, min(nodes%whole(d), floor(s) + 1))
@@ -291,6 +291,37 @@ contains
         s = number_at(nodes, i, j, k)
         if (s > 0) s = slot(s)
     end function entry_at
+
+    !> Entries at the corners of a cell; 0 where one is not listed, or twice the same.
+    !@cuf attributes(host,device) &
+    pure subroutine entries_of_corners(nodes, ijk, slot, at)
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: ijk(3) !! cell
+        integer(int32), intent(in) :: slot(*)
+        integer, intent(out) :: at(8)
+        integer :: c, d, number, step(3)
+        logical :: here
+
+        step(1) = 1
+        step(2) = nodes%n(1)
+        step(3) = nodes%n(1)*nodes%n(2)
+        do d = 1, 3
+            if (ijk(d) < nodes%n(d)) cycle
+            ! round a periodic direction the first one, else there is none
+            step(d) = merge((1 - nodes%n(d))*step(d), 0, nodes%wraps(d))
+        end do
+        do c = 0, 7
+            number = number_of(nodes%n, ijk)
+            here = .true.
+            do d = 1, 3
+                if (iand(c, 2**(d - 1)) == 0) cycle
+                here = here .and. step(d) /= 0
+                number = number + step(d)
+            end do
+            at(c + 1) = 0
+            if (here) at(c + 1) = slot(number)
+        end do
+    end subroutine entries_of_corners
 
     !> Number of a node of the grid; 0 beyond its ends, see wrapped.
     !@cuf attributes(host,device) &

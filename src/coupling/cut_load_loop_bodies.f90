@@ -5,13 +5,13 @@
 module brz_cut_load_loop_bodies
     use brz_air_grid, only: cell_at, is_between
     use brz_cut_cells, only: node_grid_t, of_plane, ring_of_loads, see_image
-    use brz_cut_list_loop_bodies, only: entry_at, nodes_around
-    use brz_cut_node_loop_bodies, only: tent
+    use brz_cut_list_loop_bodies, only: entries_of_corners, entry_at, nodes_around
+    use brz_cut_node_loop_bodies, only: tent_at, tents_of
     use brz_kinds, only: dp, int32, rk
     implicit none
     private
     public :: cut_find_bearing, cut_bear, cut_bear_push, cut_load_particle, cut_record, cut_feel
-    public :: find_share
+    public :: find_shares
 
 contains
 
@@ -194,31 +194,32 @@ contains
         end do
     end subroutine cut_bear_push
 
-    !> Share that a particle has in what a node at a corner of its cell hands on.
+    !> Shares that a particle has in what the nodes at the corners of its cell hand on.
     !@cuf attributes(host,device) &
-    pure subroutine find_share(nodes, ijk, corner, x, mass, slot, node_mass, s, share)
+    pure subroutine find_shares(nodes, ijk, x, mass, slot, node_mass, at, share)
         type(node_grid_t), intent(in) :: nodes
-        integer, intent(in) :: ijk(3), corner !! its cell; 0 to 7: a bit for each direction
+        integer, intent(in) :: ijk(3) !! its cell
         real(dp), intent(in) :: x(3) !! [m]
         real(rk), intent(in) :: mass !! of the particle [kg]
         integer(int32), intent(in) :: slot(*)
         real(dp), intent(in) :: node_mass(*) !! [kg]
-        integer, intent(out) :: s !! entry of the node; 0: it is not listed, or bare
-        real(dp), intent(out) :: share
-        integer :: at(3), d
+        integer, intent(out) :: at(8) !! entries of the nodes; 0: one is not listed, or bare
+        real(dp), intent(out) :: share(8)
+        real(dp) :: tents(2, 3)
+        integer :: c
 
-        share = 0
-        do d = 1, 3
-            at(d) = ijk(d) + iand(ishft(corner, 1 - d), 1)
+        call entries_of_corners(nodes, ijk, slot, at)
+        call tents_of(nodes, ijk, x, tents)
+        do c = 1, 8
+            share(c) = 0
+            if (at(c) == 0) cycle
+            if (node_mass(at(c)) > 0) then
+                share(c) = mass*tent_at(tents, c - 1)/node_mass(at(c))
+            else
+                at(c) = 0
+            end if
         end do
-        s = entry_at(nodes, at(1), at(2), at(3), slot)
-        if (s == 0) return
-        if (node_mass(s) > 0) then
-            share = mass*tent(nodes, at, x)/node_mass(s)
-        else
-            s = 0
-        end if
-    end subroutine find_share
+    end subroutine find_shares
 
     !> Load of a particle: its shares of the forces on the nodes of its cell.
     !@loop_body
@@ -234,8 +235,8 @@ contains
         real(rk), intent(in) :: mass(*)
         real(dp), intent(in) :: node_mass(*), force(3, *)
         real(rk), intent(inout) :: load(*) !! [N]
-        real(dp) :: share, sums(3), y(3)
-        integer :: c, d, ijk(3), s
+        real(dp) :: share(8), sums(3), y(3)
+        integer :: at(8), c, d, ijk(3)
         logical :: loaded
 
         do d = 1, 3
@@ -248,11 +249,11 @@ contains
                 y(d) = x(d, p)
             end do
             ijk = cell_at(nodes%n, cell(home(p)))
-            do c = 0, 7
-                call find_share(nodes, ijk, c, y, mass(p), slot, node_mass, s, share)
-                if (s == 0) cycle
+            call find_shares(nodes, ijk, y, mass(p), slot, node_mass, at, share)
+            do c = 1, 8
+                if (at(c) == 0) cycle
                 do d = 1, 3
-                    sums(d) = sums(d) + share*force(d, s)
+                    sums(d) = sums(d) + share(c)*force(d, at(c))
                 end do
             end do
         end if

@@ -5,7 +5,7 @@ module brz_cut_motion_loop_bodies
     use brz_air_grid, only: cell_at, is_between
     use brz_cut_cells, only: bare, node_grid_t, of_plane, see_image
     use brz_cut_list_loop_bodies, only: entry_at, nodes_around
-    use brz_cut_load_loop_bodies, only: find_share
+    use brz_cut_load_loop_bodies, only: find_shares
     use brz_cut_node_loop_bodies, only: tent, turns_to
     use brz_driven_body_rules, only: add_force, add_yield, carried_velocity, driven_body_at, &
         carries_all, driven_body_t, is_carried
@@ -358,8 +358,8 @@ contains
         real(dp), intent(in) :: node_mass(*), force(3, *)
         real(dp), intent(in) :: moment(3, *) !! about the low corner of the grid [N m]
         real(dp), intent(inout) :: push(6) !@exact force [N], torque [N m]
-        real(dp) :: arm(3), share, y(3)
-        integer :: c, d, i, ijk(3), j, k, node(3), part, s
+        real(dp) :: arm(3), share(8), y(3)
+        integer :: at(8), c, d, i, ijk(3), j, k, node(3), part, s
 
         part = first - 1 + p
         if (home(part) == 0) return
@@ -369,8 +369,9 @@ contains
         do d = 1, 3
             y(d) = x(d, part)
         end do
-        do c = 0, 7
-            call find_share(nodes, ijk, c, y, mass(part), slots, node_mass, s, share)
+        call find_shares(nodes, ijk, y, mass(part), slots, node_mass, at, share)
+        do c = 1, 8
+            s = at(c)
             if (s == 0) cycle
             node = cell_at(nodes%n, cell(s))
             do d = 1, 3 ! from the low corner of the grid, or its image, to the centre
@@ -381,8 +382,9 @@ contains
                 i = mod(d, 3) + 1
                 j = mod(d + 1, 3) + 1
                 k = 3 + d
-                push(d) = push(d) + share*force(d, s)
-                push(k) = push(k) + share*(moment(d, s) - arm(i)*force(j, s) + arm(j)*force(i, s))
+                push(d) = push(d) + share(c)*force(d, s)
+                push(k) = push(k) + share(c)*(moment(d, s) - arm(i)*force(j, s) &
+                                              + arm(j)*force(i, s))
             end do
         end do
     end subroutine cut_sum_load

@@ -10,14 +10,13 @@ module brz_cut_node_loop_bodies
     use brz_air_grid, only: cell_at
     use brz_cut_cells, only: at_corner, node_grid_t
     use brz_cut_geometry, only: ball_of, distance_of_fill, thickness_of
-    use brz_cut_list_loop_bodies, only: entry_at
+    use brz_cut_list_loop_bodies, only: entries_of_corners, entry_at, nodes_around
     use brz_kinds, only: dp, int32, rk
     implicit none
     private
-    public :: cut_fill_corner, cut_fill_node, cut_see_fill, cut_find_thickest, cut_find_ball, &
-        cut_find_largest, &
-        cut_find_distance, cut_search_octant
-    public :: cell_below, row_beyond, see_images, tent, turns_to, way_from
+    public :: cut_fill_corner, cut_fill_node, cut_see_fill, cut_find_thickest, &
+        cut_widen_thickness, cut_find_ball, cut_find_largest, cut_find_distance, cut_search_octant
+    public :: cell_below, row_beyond, see_images, tent, tents_of, tent_at, turns_to, way_from
 
     ! rows of the sums at corners; + 1..3
     integer, parameter :: row_fill = 1, row_beyond = 2, row_mass = 3, row_most = 4
@@ -33,7 +32,7 @@ contains
         real(dp), intent(in) :: x !! [m]
         real(dp) :: at
 
-        at = (x - nodes%lo(d))/nodes%dx(d)
+        at = (x - nodes%lo(d))*nodes%inverse_dx(d)
     end function place_in_cells
 
     !> Periods from a node to the image of it that is nearest to a place.
@@ -77,6 +76,38 @@ contains
         end do
     end function tent
 
+    !> Weights of a particle at the nodes below and above it along each direction.
+    !@cuf attributes(host,device) &
+    pure subroutine tents_of(nodes, ijk, x, tents)
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: ijk(3) !! its cell
+        real(dp), intent(in) :: x(3) !! place of the particle [m]
+        real(dp), intent(out) :: tents(2, 3)
+        integer :: d
+
+        do d = 1, 3
+            tents(1, d) = 1
+            tents(2, d) = 1
+            if (nodes%n(d) == 1) cycle
+            tents(1, d) = max(0.0_dp, 1 - abs(way_from(nodes, d, ijk(d), x(d))))
+            tents(2, d) = max(0.0_dp, 1 - abs(way_from(nodes, d, ijk(d) + 1, x(d))))
+        end do
+    end subroutine tents_of
+
+    !> Weight at a corner of the cell.
+    !@cuf attributes(host,device) &
+    pure function tent_at(tents, corner) result(weight)
+        real(dp), intent(in) :: tents(2, 3)
+        integer, intent(in) :: corner !! 0 to 7: a bit for each direction
+        real(dp) :: weight
+        integer :: d
+
+        weight = 1
+        do d = 1, 3
+            weight = weight*tents(1 + iand(ishft(corner, 1 - d), 1), d)
+        end do
+    end function tent_at
+
     !> What the particles of a cell bring to one of its corners by tent weights: eight threads side
     !> by side read the same particles. See cut_fill_node for the rows.
     !@loop_body if(n >= worth_threads) schedule(dynamic, 256)
@@ -93,6 +124,7 @@ contains
         integer(int32), intent(inout) :: top(8, *) !! particle of the most mass there, 0: none
         real(dp) :: filled, own(at_corner), share, weight, y(3)
         integer :: at(3), c, d, ijk(3), p, q, s
+        logical :: at_end
 
         s = (t - 1)/8 + 1
         c = t - 8*(s - 1) - 1
@@ -104,6 +136,12 @@ contains
         do d = 1, 3
             at(d) = ijk(d) + iand(ishft(c, 1 - d), 1)
         end do
+        at_end = .false.
+        do d = 1, 3
+            if (nodes%n(d) == 1) cycle
+            at_end = at_end .or. nodes%before(d) + ijk(d) == 1 &
+                .or. nodes%before(d) + ijk(d) == nodes%whole(d)
+        end do
         do q = ends(s) + 1, ends(s + 1)
             p = binned(q)
             do d = 1, 3
@@ -112,7 +150,7 @@ contains
             share = tent(nodes, at, y)
             filled = volume(1 + (p - 1)*stride_w)*share
             own(row_fill) = own(row_fill) + filled
-            if (is_beyond(nodes, y)) own(row_beyond) = own(row_beyond) + filled
+            if (at_end .and. is_beyond(nodes, y)) own(row_beyond) = own(row_beyond) + filled
             weight = mass(p)*share
             own(row_mass) = own(row_mass) + weight
             if (weight > own(row_most)) then
@@ -268,8 +306,8 @@ contains
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: fill(*)
         real(rk), intent(inout) :: own(*)
-        real(dp) :: y(3)
-        integer :: at(3), c, d, ijk(3), s
+        real(dp) :: tents(2, 3), y(3)
+        integer :: at(8), c, d, ijk(3)
 
         own(p) = 0
         if (home(p) == 0) return
@@ -277,12 +315,10 @@ contains
         do d = 1, 3
             y(d) = x(d, p)
         end do
+        call entries_of_corners(nodes, ijk, slot, at)
+        call tents_of(nodes, ijk, y, tents)
         do c = 0, 7
-            do d = 1, 3
-                at(d) = ijk(d) + iand(ishft(c, 1 - d), 1)
-            end do
-            s = entry_at(nodes, at(1), at(2), at(3), slot)
-            if (s > 0) own(p) = own(p) + real(tent(nodes, at, y), rk)*fill(s)
+            if (at(c + 1) > 0) own(p) = own(p) + real(tent_at(tents, c), rk)*fill(at(c + 1))
         end do
     end subroutine cut_see_fill
 
@@ -313,39 +349,48 @@ contains
         thickness(s) = largest_in(s, ends, binned, own)
     end subroutine cut_find_thickest
 
-    !> Radius of the ball that stands for a particle where its body is thin, 0 where it is not.
-    !@loop_body
+    !> The same with the cells around.
+    !@loop_body if(27*n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine cut_find_ball(p, nodes, stride_w, home, cell, slot, volume, thickness, radius)
-        integer, intent(in) :: p !! particles
+    pure subroutine cut_widen_thickness(s, nodes, cell, slot, own, thickness)
+        integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
-        integer, intent(in) :: stride_w !! distance of volumes
-        integer(int32), intent(in) :: home(*), cell(*), slot(*)
-        real(rk), intent(in) :: volume(*) !! [m3]
-        real(rk), intent(in) :: thickness(*) !! of the cells
-        real(rk), intent(inout) :: radius(*)
-        real(rk) :: side, thickest
-        integer :: d, i, ijk(3), j, k, r(3), s
+        integer(int32), intent(in) :: cell(*), slot(*)
+        real(rk), intent(in) :: own(*) !! of the cells
+        real(rk), intent(inout) :: thickness(*)
+        integer :: b, high(3), i, j, k, low(3)
 
-        radius(p) = 0
-        if (home(p) == 0) return
-        ijk = cell_at(nodes%n, cell(home(p)))
-        do d = 1, 3
-            r(d) = merge(1, 0, nodes%n(d) > 1)
-        end do
-        thickest = 0
-        do k = ijk(3) - r(3), ijk(3) + r(3)
-            do j = ijk(2) - r(2), ijk(2) + r(2)
-                do i = ijk(1) - r(1), ijk(1) + r(1)
-                    s = entry_at(nodes, i, j, k, slot)
-                    if (s > 0) thickest = max(thickest, thickness(s))
+        thickness(s) = 0
+        call nodes_around(nodes, cell_at(nodes%n, cell(s)), 1, 1, low, high)
+        do k = low(3), high(3)
+            do j = low(2), high(2)
+                do i = low(1), high(1)
+                    b = entry_at(nodes, i, j, k, slot)
+                    if (b > 0) thickness(s) = max(thickness(s), own(b))
                 end do
             end do
         end do
+    end subroutine cut_widen_thickness
+
+    !> Radius of the ball that stands for a particle where its body is thin, 0 where it is not.
+    !@loop_body
+    !@cuf attributes(host,device) &
+    pure subroutine cut_find_ball(p, nodes, stride_w, home, volume, thickness, radius)
+        integer, intent(in) :: p !! particles
+        type(node_grid_t), intent(in) :: nodes
+        integer, intent(in) :: stride_w !! distance of volumes
+        integer(int32), intent(in) :: home(*)
+        real(rk), intent(in) :: volume(*) !! [m3]
+        real(rk), intent(in) :: thickness(*) !! of the cells and those around
+        real(rk), intent(inout) :: radius(*)
+        real(rk) :: side
+
+        radius(p) = 0
+        if (home(p) == 0) return
         side = volume(1 + (p - 1)*stride_w)/nodes%volume
         if (nodes%dimensions == 2) side = sqrt(side)
         if (nodes%dimensions == 3) side = side**(1/3.0_rk)
-        radius(p) = ball_of(nodes%dimensions, side, thickness_of(thickest))
+        radius(p) = ball_of(nodes%dimensions, side, thickness_of(thickness(home(p))))
     end subroutine cut_find_ball
 
     !> Largest ball in a cell.

@@ -6,7 +6,7 @@
 module brz_cut_push_loop_bodies
     use brz_air_grid, only: cell_at
     use brz_cut_cells, only: at_corner, node_grid_t, ring_of_loads
-    use brz_cut_load_loop_bodies, only: find_share
+    use brz_cut_load_loop_bodies, only: find_shares
     use brz_cut_node_loop_bodies, only: cell_below, row_beyond, see_images, tent
     use brz_driven_body_rules, only: carries_all, driven_body_at, driven_body_t
     use brz_kinds, only: dp, int32, rk
@@ -42,9 +42,9 @@ contains
         real(dp), intent(in) :: node_mass(*)
         real(dp), intent(in) :: force(3, *), impedance(3, *) !! of the gas on the nodes
         real(rk), intent(inout) :: change(3, *) !! [kg m/s]
-        real(dp) :: share, y(3)
+        real(dp) :: share(8), y(3)
         real(rk) :: all_force, gives(3), pushed(3)
-        integer :: c, d, ijk(3), s
+        integer :: at(8), c, d, ijk(3)
 
         do d = 1, 3
             change(d, p) = 0
@@ -59,12 +59,12 @@ contains
         if (fixed(p) == is_fixed .or. .not. mass(p) > 0) return
         if (driven(driven_body_at(bodies, driven, p))%carries == carries_all) return
         ijk = cell_at(nodes%n, cell(home(p)))
-        do c = 0, 7
-            call find_share(nodes, ijk, c, y, mass(p), slot, node_mass, s, share)
-            if (s == 0) cycle
+        call find_shares(nodes, ijk, y, mass(p), slot, node_mass, at, share)
+        do c = 1, 8
+            if (at(c) == 0) cycle
             do d = 1, 3
-                pushed(d) = pushed(d) + real(share*force(d, s), rk)
-                gives(d) = gives(d) + real(share*impedance(d, s), rk)
+                pushed(d) = pushed(d) + real(share(c)*force(d, at(c)), rk)
+                gives(d) = gives(d) + real(share(c)*impedance(d, at(c)), rk)
             end do
         end do
         do d = 1, 3
@@ -116,10 +116,10 @@ contains
     !> Bring the momentum of a node to the middle of the coming step.
     !@loop_body if(n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine cut_push_node(s, nodes, cell, slot, filled, sums, momentum)
+    pure subroutine cut_push_node(s, nodes, cell, slot, ring, filled, sums, momentum)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
-        integer(int32), intent(in) :: cell(*), slot(*)
+        integer(int32), intent(in) :: cell(*), slot(*), ring(*)
         real(dp), intent(in) :: filled(at_corner, 8, *) !! sums of cut_fill_corner
         real(dp), intent(in) :: sums(3, 8, *)
         real(dp), intent(inout) :: momentum(3, *)
@@ -127,6 +127,7 @@ contains
         integer :: b, c, corner, d, ijk(3)
         logical :: beyond, halved(3)
 
+        if (ring(s) > ring_of_loads) return
         ijk = cell_at(nodes%n, cell(s))
         beyond = .false.
         fill = 0

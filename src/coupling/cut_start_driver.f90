@@ -43,6 +43,7 @@ contains
             cells%nodes%dimensions = count(air%n > 1)
             cells%nodes%lo = air%lo
             cells%nodes%dx = air%dx
+            cells%nodes%inverse_dx = 1/air%dx
             cells%nodes%area = real(product(air%dx)/air%dx, rk)
             cells%nodes%volume = real(product(air%dx), rk)
             cells%nodes%grid = c%box%grid

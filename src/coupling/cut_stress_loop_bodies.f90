@@ -15,8 +15,8 @@
 module brz_cut_stress_loop_bodies
     use brz_air_grid, only: cell_at
     use brz_cut_cells, only: layers_t, node_grid_t, ring_of_stress, see_image
-    use brz_cut_list_loop_bodies, only: entry_at
-    use brz_cut_node_loop_bodies, only: tent, way_from
+    use brz_cut_list_loop_bodies, only: entries_of_corners, entry_at
+    use brz_cut_node_loop_bodies, only: tents_of, way_from
     use brz_kinds, only: dp, int32, rk
     implicit none
     private
@@ -98,8 +98,8 @@ contains
         real(rk), intent(inout) :: face_stress(*) !! [Pa]
         real(rk) :: across, at, borne(2), layer, line(2), outermost, pressed(2), stress, width(2)
         real(rk) :: y_phi
-        real(dp) :: y(3)
-        integer :: c, d, ijk(3), low(3), p, pair(2), side
+        real(dp) :: tents(2, 3), y(3)
+        integer :: c, corner(8), d, ijk(3), p, pair(2), side
         logical :: beside_wall
 
         p = first - 1 + t
@@ -110,6 +110,8 @@ contains
             do d = 1, 3
                 y(d) = x(d, p)
             end do
+            call entries_of_corners(nodes, ijk, slot, corner)
+            call tents_of(nodes, ijk, y, tents)
         end if
         do d = 1, 3
             stress = 0
@@ -122,9 +124,10 @@ contains
                 layer = real(layers%apart(d)/nodes%dx(d), rk)
                 do c = 0, 7
                     if (iand(c, 2**(d - 1)) /= 0) cycle
-                    call line_of(nodes, ijk, d, c, slot, pair, low)
+                    pair(1) = corner(c + 1)
+                    pair(2) = corner(c + 1 + 2**(d - 1))
                     if (pair(1) == 0 .or. pair(2) == 0) cycle
-                    across = real(tent_across(nodes, low, d, y), rk)
+                    across = real(tent_across(tents, d, c), rk)
                     if (.not. across > 0) cycle
                     y_phi = (1 - at)*distance(pair(1)) + at*distance(pair(2))
                     outermost = max(0.0_rk, 1 - abs(-y_phi/layer - 0.5_rk))
@@ -147,40 +150,18 @@ contains
         end do
     end subroutine cut_stress_particle
 
-    !> The two nodes of a cell on one of its edges along a direction.
-    !@cuf attributes(host,device) &
-    pure subroutine line_of(nodes, ijk, d, corner, slot, pair, low)
-        type(node_grid_t), intent(in) :: nodes
-        integer, intent(in) :: ijk(3), d !! cell, direction
-        integer, intent(in) :: corner !! 0 to 7, of the lower of them: a bit for each direction
-        integer(int32), intent(in) :: slot(*)
-        integer, intent(out) :: pair(2) !! entries, 0: none
-        integer, intent(out) :: low(3) !! the lower node
-        integer :: e, to(3)
-
-        do e = 1, 3
-            low(e) = ijk(e) + iand(ishft(corner, 1 - e), 1)
-            to(e) = low(e)
-        end do
-        to(d) = low(d) + 1
-        pair(1) = entry_at(nodes, low(1), low(2), low(3), slot)
-        pair(2) = entry_at(nodes, to(1), to(2), to(3), slot)
-    end subroutine line_of
-
     !> Weight of a particle on a line of nodes along a direction.
     !@cuf attributes(host,device) &
-    pure function tent_across(nodes, ijk, d, x) result(weight)
-        type(node_grid_t), intent(in) :: nodes
-        integer, intent(in) :: ijk(3), d !! a node of the line, direction
-        real(dp), intent(in) :: x(3) !! place of the particle [m]
-        real(dp) :: weight, y(3)
+    pure function tent_across(tents, d, corner) result(weight)
+        real(dp), intent(in) :: tents(2, 3) !! of the particle
+        integer, intent(in) :: d, corner !! direction, a corner of the cell on the line
+        real(dp) :: weight
         integer :: e
 
+        weight = 1
         do e = 1, 3
-            y(e) = x(e)
+            if (e /= d) weight = weight*tents(1 + iand(ishft(corner, 1 - e), 1), e)
         end do
-        y(d) = nodes%lo(d) + (nodes%before(d) + ijk(d) - 1)*nodes%dx(d)
-        weight = tent(nodes, ijk, y)
     end function tent_across
 
     !> What acts on a line below a particle between two of its nodes, of gas on the low and on the

@@ -26,7 +26,7 @@ module brz_cut_cells
     real(rk), parameter :: bare = 1e-12_rk !! wall area that counts as none, in faces
     integer, parameter :: n_met = 10 !! numbers of what stands at the walls of a cell, see met_t
     ! numbers that are kept of an entry, and what lists have room for beyond their entries
-    integer, parameter :: doubles = 38 + 8*at_corner, reals = 140, integers = 34
+    integer, parameter :: doubles = 38 + 8*at_corner, reals = 141, integers = 34
     real(dp), parameter :: slack = 1.25_dp
 
     !> The grid of nodes, and how cells lie in memory.
@@ -43,6 +43,7 @@ module brz_cut_cells
         integer :: dimensions = 0 !! directions that are modelled
         real(dp) :: lo(3) = 0 !! low corner of the grid [m]
         real(dp) :: dx(3) = 1 !! sides of a cell [m]
+        real(dp) :: inverse_dx(3) = 1 !! [1/m]
         real(rk) :: area(3) = 1 !! of the faces normal to each direction [m2]
         real(rk) :: volume = 1 !! of a cell [m3]
         type(grid_t) :: grid !! of the air
@@ -84,7 +85,8 @@ module brz_cut_cells
         real(rk), allocatable :: sag(:) !! (n) of facets below a curved wall
         real(rk), allocatable :: octants(:, :) !! (8, n) distance by octants about the node
         real(rk), allocatable :: distance(:) !! (n) signed distance to the wall, + in the gas
-        real(rk), allocatable :: thickness(:) !! (n) largest interpolated fill in the cell
+        real(rk), allocatable :: thickest(:) !! (n) largest interpolated fill in the cell
+        real(rk), allocatable :: thickness(:) !! (n) likewise with the cells around
         real(rk), allocatable :: ball(:) !! (n) largest radius of a ball of a thin part in the cell
         integer(int32), allocatable :: heaviest(:) !! (n) particle of the most mass there, 0: none
         real(dp), allocatable :: force(:, :) !! (3, n) load that the node hands to particles [N]
