@@ -367,7 +367,7 @@ contains
             call survey_walls(c%on_gpu, c%wall%cells, err)
         else
             call push_carriers(air, solid, c, dt, err)
-            if (.not. all_asleep(solid)) call push_nodes(air, p, c, dt, err)
+            call push_nodes(air, p, c, dt, err)
         end if
         associate (g => c%on_gpu, l => c%wall%cells, nodes => c%wall%cells%nodes)
             if (.not. dt > 0) call for_each_cut_find_carrier(g, l%n, nodes, c%bodies, c%driven, &

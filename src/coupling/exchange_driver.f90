@@ -3,6 +3,7 @@
 !> of the particles, gas that goes over to new shapes.
 module brz_exchange_driver
     use brz_air_state, only: air_t
+    use brz_coupling_part, only: introduce
     use brz_coupling_state, only: coupling_t
     use brz_coupling_windows, only: see_beside
     use brz_cut_driver, only: feel_loads, load_cut_carriers, move_cut_walls, press_by_cut_cells, &
@@ -23,7 +24,7 @@ module brz_exchange_driver
 
 contains
 
-    !> Velocities of the walls in the middle of the coming step.
+    !> Velocities of the walls in the middle of the coming step; while all bodies sleep they stand.
     subroutine set_wall_velocity(air, solid, c, dt, err)
         type(air_t), intent(in) :: air
         class(bodies_t), intent(in) :: solid
@@ -32,9 +33,11 @@ contains
         type(error_t), intent(inout) :: err !! exit_device where a GPU fails, as everywhere here
 
         if (several(solid%ranks)) then
-            call move_cut_walls(air, c%ghost_bodies, c%ghosts, c, dt, err)
+            call introduce(solid, c%ghost_bodies) ! the loads of bodies change also while all sleep
+            if (.not. all_asleep(solid)) &
+                call move_cut_walls(air, c%ghost_bodies, c%ghosts, c, dt, err)
         else
-            call move_cut_walls(air, solid, solid, c, dt, err)
+            if (.not. all_asleep(solid)) call move_cut_walls(air, solid, solid, c, dt, err)
             call for_each_keep_velocity(c%on_gpu, solid%n, solid%wide, 1, 3, solid%v, solid%id, &
                                         c%v_before, err)
         end if

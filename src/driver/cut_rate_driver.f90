@@ -46,7 +46,7 @@ contains
         associate (c => wall%cells)
             call for_each_cut_rate(air%on_gpu, c%n, c%nodes, air%scheme, stage, pass, c%cell, &
                 c%place, c%beside, c%shut, c%aperture, c%area, c%middle, c%curvature, &
-                c%v, c%master, air%active, air%bad, air%u, air%edge, c%rate, c%push, err)
+                c%v, c%master, air%bad, air%u, air%edge, c%rate, c%push, err)
             if (several(air%part%ranks)) call share_rates(air, wall, stage, err)
             call for_each_cut_join(air%on_gpu, c%n, c%nodes, stage, c%place, c%master, c%ends, &
                                    c%member, c%volume, c%swept, c%rate, air%u, air%u_start, &

@@ -32,7 +32,7 @@ contains
     !@cuf attributes(host,device) &
     pure subroutine cut_rate(s, nodes, scheme, stage, pass, cell, place, beside, shut, aperture, &
         area, &
-                             middle, curvature, v, master, active, bad, u, edge, rate, push)
+                             middle, curvature, v, master, bad, u, edge, rate, push)
         integer, intent(in) :: s !! entries
         type(node_grid_t), intent(in) :: nodes
         type(scheme_t), intent(in) :: scheme
@@ -42,7 +42,6 @@ contains
         integer(int32), intent(in) :: shut(*)
         real(rk), intent(in) :: aperture(6, *), area(3, *), middle(3, *), curvature(6, *), v(3, *)
         integer(int32), intent(in) :: master(*)
-        integer(int8), intent(in) :: active(*) !! bricks; the gas of others is at rest and even
         integer(int8), intent(in) :: bad(*)
         real(rk), intent(in) :: u(*)
         real(rk), intent(inout) :: edge(*) !! (lines, n_var, 2) fluxes through the outer faces
@@ -74,10 +73,6 @@ contains
         held = is_fixed(pass, mark)
         call state_at(nodes, scheme, at, u, gamma, w)
         p = w(5)
-        if (active(brick_at(nodes, ijk)) == 0) then
-            call rest_at_wall(s, nodes, stage, ijk, aperture, area, p, edge, push)
-            return
-        end if
         do d = 1, 3
             if (nodes%n(d) == 1) cycle
             do side = 0, 1
@@ -100,42 +95,6 @@ contains
         call push_wall(s, nodes, scheme, stage, ijk, beside, aperture, area, middle, curvature, v, &
                        master, cell, place, is_lowered(pass, mark), u, w, gamma, rate, push)
     end subroutine cut_rate
-
-    !> The wall of a cell whose gas is at rest and even, and what passes the outer faces: pressure.
-    !@cuf attributes(host,device) &
-    pure subroutine rest_at_wall(s, nodes, stage, ijk, aperture, area, p, edge, push)
-        integer, intent(in) :: s
-        type(node_grid_t), intent(in) :: nodes
-        type(stage_t), intent(in) :: stage
-        integer, intent(in) :: ijk(3)
-        real(rk), intent(in) :: aperture(6, *), area(3, *), p
-        real(rk), intent(inout) :: edge(*), push(3, *)
-        real(rk) :: f(max_var)
-        integer :: c, d, side
-
-        do c = 1, max_var
-            f(c) = 0
-        end do
-        f(2) = p
-        do d = 1, 3
-            if (nodes%n(d) == 1) cycle
-            push(d, s) = stage%push(d)/nodes%area(d)*p*area(d, s)
-            do side = 0, 1
-                call keep_edge(d, nodes, ijk, side, aperture(2*d - 1 + side, s), f, edge)
-            end do
-        end do
-    end subroutine rest_at_wall
-
-    !> Brick of a cell of this process.
-    !@cuf attributes(host,device) &
-    pure function brick_at(nodes, ijk) result(b)
-        type(node_grid_t), intent(in) :: nodes
-        integer, intent(in) :: ijk(3)
-        integer :: b
-
-        b = brick_of(nodes%grid, ijk(1) - nodes%own(1, 1) + 1, ijk(2) - nodes%own(2, 1) + 1, &
-                     ijk(3) - nodes%own(3, 1) + 1)
-    end function brick_at
 
     !> Flux through the low or high face of a listed cell, as if all of it were open.
     !@cuf attributes(host,device) &
@@ -448,10 +407,13 @@ contains
         type(node_grid_t), intent(in) :: nodes
         integer(int32), intent(in) :: cell(*), place(*)
         integer(int8), intent(inout) :: reached(*) !! (bricks)
-        integer :: ijk(3)
+        integer :: d, ijk(3)
 
         if (place(s) == 0 .or. .not. is_between(nodes%n, nodes%own, cell(s))) return
         ijk = cell_at(nodes%n, cell(s))
-        reached(brick_at(nodes, ijk)) = 1_int8
+        do d = 1, 3
+            ijk(d) = ijk(d) - nodes%own(d, 1) + 1
+        end do
+        reached(brick_of(nodes%grid, ijk(1), ijk(2), ijk(3))) = 1_int8
     end subroutine cut_reach
 end module brz_cut_loop_bodies
