@@ -3,7 +3,6 @@
 !> of the particles, gas that goes over to new shapes.
 module brz_exchange_driver
     use brz_air_state, only: air_t
-    use brz_coupling_part, only: introduce
     use brz_coupling_state, only: coupling_t
     use brz_coupling_windows, only: see_beside
     use brz_cut_driver, only: feel_loads, load_cut_carriers, move_cut_walls, press_by_cut_cells, &
@@ -33,7 +32,6 @@ contains
         type(error_t), intent(inout) :: err !! exit_device where a GPU fails, as everywhere here
 
         if (several(solid%ranks)) then
-            call introduce(solid, c%ghost_bodies) ! the loads of bodies change also while all sleep
             if (.not. all_asleep(solid)) &
                 call move_cut_walls(air, c%ghost_bodies, c%ghosts, c, dt, err)
         else

@@ -87,10 +87,10 @@ contains
         end if
         root = cell_at(nodes%n, cell(master(s)))
         away = distance_to_wall(s, n, nodes, root, ijk, middle)
-        if (away > 0) call look_away(master(s), n, nodes, scheme, root, beside, aperture, master, &
-                                     place, u, share, slope)
         drop = 0
         if (away > 0) then
+            call look_away(master(s), n, nodes, scheme, root, beside, aperture, master, place, u, &
+                           share, slope)
             do d = 1, 3
                 along(d) = w(1 + d) - v(d, s) - du*n(d)
             end do
